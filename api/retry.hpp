@@ -6,7 +6,7 @@ namespace vacuform {
 enum class Retry {
   never,        // the same input would be refused again
   after_fault,  // of the worker or its machine
-  after_crash,  // the pipeline broke down, perhaps by this input
+  after_crash,  // the pipeline crashed, perhaps by this input
 };
 
 }  // namespace vacuform

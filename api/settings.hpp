@@ -107,7 +107,7 @@ struct FormingSettings {
   bool sag = false;           // under its own weight while it is hot
   // membrane: the frame descends no further between two searches for contact; none: two thirds of the grid's spacing
   std::optional<double> step_mm;
-  double thin_limit = 0.3;  // of the thickness before forming: below it, the maker is told; 0: nothing tears
+  double thin_limit = 0.3;  // of the thickness before forming: below it, a warning is given; 0: nothing tears
   double yield_kpa = 0;     // viscoplastic: stress below which the sheet is elastic
   Integrator integrator = Integrator::implicit_euler;  // mass_spring
   std::optional<double> time_step_ms;                  // mass_spring; none: chosen for the integrator
@@ -126,7 +126,11 @@ struct PatternSettings {
   PatternSource source = PatternSource::
       file;            // scan: the colours of the scan itself, and no drawing; both: each as its own print
   double fade_mm = 3;  // of those colours, where the sheet does not touch the scan; 0: none there
-  std::optional<double> width_mm;                            // physical width; none: the file's own size
+  std::optional<double> width_mm;  // physical width; none: the file's own size
+  std::optional<double>
+      dpi;  // pixels an inch: of a picture, or of an SVG in px or without unit; none: by the file
+  double length_limit = 0.02;                                // error of lengths above which a warning says so
+  std::optional<double> line_mm;                             // width of the lines of a DXF that have none
   PatternPlacement placement = PatternPlacement::automatic;  // elements where the drawing has them
   std::array<double, 2> offset_mm{0, 0};  // the pattern's centre, from the top of the mold along the surface
   double rotate_deg = 0;                  // counter-clockwise on the inked face as drawn
@@ -143,7 +147,7 @@ struct PatternSettings {
 struct CoilSettings {
   // What of a drawn coil is the same on the surface: worker/surface/polar_grid.hpp defines both.
   CoilKeep keep = CoilKeep::area;
-  bool decouple = false;       // moves and resizes loops until neighbours no longer couple
+  bool decouple = false;       // moves and resizes loops until they couple little
   double size_limit = 0.05;    // largest change of a loop's size by that
   double stretch_limit = 0.2;  // of a trace, at which its ink fails
 };
@@ -151,10 +155,10 @@ struct CoilSettings {
 // An array of loops of one size, for jobs of kind layout.
 struct LayoutSettings {
   int count = 16;
-  double diameter_mm = 0;  // 10 to 300; 0: large enough to cover the region
+  double diameter_mm = 0;  // 10 to 300; 0: the largest that fit on the region and couple little
   ArrayRegion region = ArrayRegion::dome;
   double overlap =
-      0;  // distance of neighbouring centres over the diameter, 0.5 to 1.5; 0: neighbours are decoupled
+      0;  // distance of neighbouring centres over the diameter, 0.5 to 1.5; 0: they are decoupled
 };
 
 // Rows printed, cyan, magenta, yellow: worker/colour/ink_curve.hpp. The first row is all 0, the last printed is 1.

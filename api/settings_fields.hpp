@@ -213,6 +213,14 @@ void describe(S& s, V& v) {
           "there");
   v.field("width_mm", s.pattern.width_mm, {1, 2000, "mm"},
           "Physical width of the drawing; auto takes the file's own");
+  v.field("dpi", s.pattern.dpi, {10, 10000, "1/in"},
+          "Pixels an inch of the drawing, where its size is in px, without a unit, or contradictory; auto "
+          "takes the "
+          "program's own where that is known");
+  v.field("length_limit", s.pattern.length_limit, {0.001, 1, "1"},
+          "Error of lengths on the formed part above which a warning says so");
+  v.field("line_mm", s.pattern.line_mm, {0.01, 100, "mm"},
+          "Width of the lines of a DXF that have neither a width nor a line weight");
   v.field("placement", s.pattern.placement,
           "Each coil in its own neighbourhood, all on one chart, or on several with seams; auto: elements "
           "where there are");
@@ -233,20 +241,22 @@ void describe(S& s, V& v) {
   v.group("coils", "Coils: loops that must not couple");
   v.field("keep", s.coils.keep,
           "What a coil keeps on the head: the area inside it, or its diameter along the surface");
-  v.field("decouple", s.coils.decouple, "Move and resize loops until neighbours no longer couple");
+  v.field("decouple", s.coils.decouple,
+          "Move and resize loops until they couple as little as the surface lets them");
   v.field("size_limit", s.coils.size_limit, {0, 0.5, "1"}, "Largest change of a loop's size by decoupling");
   v.field("stretch_limit", s.coils.stretch_limit, {0, 5, "1"}, "Stretch at which the ink of a trace fails");
 
   v.group("layout", "Layout: an array of coils made for a scan, for jobs of kind layout");
   v.field("count", s.layout.count, {4, 64, "1"}, "Number of coils");
-  v.field("diameter_mm", s.layout.diameter_mm, {0, 300, "mm"},
-          "Diameter of the coils, at least 10 mm; 0 fits them to the region");
+  v.field(
+      "diameter_mm", s.layout.diameter_mm, {0, 300, "mm"},
+      "Diameter of the coils, at least 10 mm; 0 takes the largest that fit on the region and couple little");
   v.field("region", s.layout.region,
           "The whole dome, or its front half (towards +y of the mold; scan.yaw_deg turns the head), or its "
           "back half");
   v.field("overlap", s.layout.overlap, {0, 1.5, "1"},
           "Distance of neighbouring centres over the diameter, at least 0.5, without decoupling; 0 decouples "
-          "neighbours");
+          "them");
 
   v.group("print", "Print: the file for the printer");
   v.field("dpi", s.print.dpi, {72, 1200, "1/in"}, "Resolution of print.png");

@@ -11,6 +11,9 @@ constexpr WarningKind kinds[] = {
     {"clamp-narrow", Severity::warning,
      "The clamp frame holds only a narrow border of the sheet, which may slip.",
      "Use a larger sheet or a smaller window."},
+    {"coil-cut", Severity::serious,
+     "Coils of the drawing reach beyond its page, or lie off it. What is beyond the page is not printed.",
+     "Make the page (artboard) larger, or move the coils onto it."},
     {"coil-left-out", Severity::serious, "Coils of the drawing lie off the formed part and are not printed.",
      "Move or scale the drawing (pattern.offset_mm, pattern.scale), or lower scan.trim_mm."},
     {"coil-off-head", Severity::serious,
@@ -21,7 +24,9 @@ constexpr WarningKind kinds[] = {
      "Coils on the head come out farther from their own drawn shape than 0.5 % of their diameter.",
      "Move the coil to a smoother place, use a finer sheet.resolution_mm, or pattern.placement=elements."},
     {"coils-coupled", Severity::warning,
-     "Neighbours on the head couple by 0.01 or more. Without coils.decouple the fix is to set it.",
+     "Neighbours on the head couple by 0.01 or more, or other coils by 0.03 or more. Without coils.decouple "
+     "the fix "
+     "is to set it.",
      "Raise coils.size_limit, or change the size or the place of the array."},
     {"coils-moved", Severity::warning,
      "Decoupling moved the coils by more than 10 mm from where the drawing puts them.",
@@ -30,6 +35,9 @@ constexpr WarningKind kinds[] = {
      "Distances of neighbouring coils on the head differ from the drawing by more than 2 mm RMS. The "
      "figure is the one of the report's table.",
      "Set coils.decouple=true if the coupling of neighbours matters."},
+    {"colours-missing", Severity::warning,
+     "Colours that the scan file names are not in it or beside it. The part is white there.",
+     "Export the scan again with all of its materials and images."},
     {"deep-draw", Severity::warning,
      "The draw is deep for the window or the mold: the sheet thins much and may form webs.",
      "Trim the mold higher (scan.trim_mm)."},
@@ -37,6 +45,10 @@ constexpr WarningKind kinds[] = {
      "The sheet is extrapolated from two coarse grids. The figure is how far this moves 95 % of what "
      "touches the mold, at most.",
      "Set forming.quality=standard before the part is made."},
+    {"file-unusual", Severity::note,
+     "The scan file is not as its format demands, or mixes colours in an unusual way. The text says how it "
+     "was read.",
+     "Look at the previews. Export the scan again if they are wrong."},
     {"flattening-flipped", Severity::serious,
      "Triangles of the chart are folded over. The print is wrong there.",
      "Use flattening.method=symmetric_dirichlet, which never folds."},
@@ -52,7 +64,7 @@ constexpr WarningKind kinds[] = {
      "Check with a finer sheet.resolution_mm: the thickness may depend on the grid."},
     {"ink-hangs-together", Severity::warning,
      "Loops of a picture touch and cannot be told apart. They are laid as one element.",
-     "Give an SVG with one group, with an id, for each coil."},
+     "Give the loops as lines, in an SVG or a DXF."},
     {"ink-not-compensated", Severity::note,
      "print.compensate_ink has no effect: the drawing has no shades of gray.",
      "Leave out print.compensate_ink."},
@@ -69,6 +81,17 @@ constexpr WarningKind kinds[] = {
      "if they are swapped."},
     {"large-hole", Severity::warning, "A large hole of the scan was filled. The mold is a guess there.",
      "Scan the place again, or check the mold there."},
+    {"length-far-off", Severity::serious,
+     "Lines come out more than 10 % longer or shorter on the formed part than drawn.",
+     "Make the drawing smaller, place it nearer to the top, or give its coils as loops, so that each keeps "
+     "its shape."},
+    {"length-off", Severity::warning,
+     "Lines come out longer or shorter on the formed part than drawn, by more than pattern.length_limit.",
+     "Make the drawing smaller, place it nearer to the top, or give its coils as loops, so that each keeps "
+     "its shape."},
+    {"lines-thin", Severity::warning,
+     "Lines are narrower than 0.05 mm, or than half a pixel of the print. They may print faint or broken.",
+     "Give the lines the width of the trace that is printed."},
     {"marks-left-out", Severity::warning,
      "Marks would lie on the drawing or off the sheet and are not printed.",
      "Use a larger sheet, or another print.margin_mm."},
@@ -87,12 +110,30 @@ constexpr WarningKind kinds[] = {
     {"pattern-coarse", Severity::warning,
      "The drawing has too few pixels for the print's resolution. Its edges look soft.",
      "Give the drawing with more pixels, or as an SVG."},
+    {"pattern-dark", Severity::serious,
+     "The ink covers more than half of the drawing's page, or a filled shape lies under all coils and joins "
+     "them. A dark background is printed as solid ink.",
+     "Remove the background, or make it white or transparent."},
+    {"pattern-left-out", Severity::warning,
+     "Parts of a DXF are not drawn: texts, dimensions, hatches and other shapes without lines, or layers "
+     "that "
+     "are off.",
+     "Turn what is missing into lines and arcs, or save the drawing as SVG."},
+    {"pattern-units", Severity::warning,
+     "The SVG has its size in mm or another true unit, but no viewBox: how large its shapes are depends on "
+     "the program that made it.",
+     "Set pattern.dpi to the pixels an inch of that program, or export the drawing with a viewBox."},
     {"pierced", Severity::serious,
      "The mold stands out of the simulated sheet by more than 0.5 mm, on any grid: a part of it is too "
      "thin for the grid.",
      "Use a finer sheet.resolution_mm, or remove thin parts from the scan."},
     {"pins-not-met", Severity::warning, "A pin of the flattening is farther than 0.1 mm from its place.",
      "Move the pins closer to where the chart puts them, or remove some."},
+    {"places-unused", Severity::warning,
+     "The drawing is a layout that says where its coils lie on the head, and that was made for another head "
+     "or other "
+     "settings, or the settings move the drawing.",
+     "Lay the coils out again for this scan and these settings."},
     {"rebuilt", Severity::warning,
      "The surface of the scan was too broken to close and was rebuilt. Details may be lost.",
      "Compare mold.stl with the scan, or repair the scan in a mesh editor."},
@@ -117,6 +158,12 @@ constexpr WarningKind kinds[] = {
      "The longest side is outside of 60 to 700 mm, although the unit or the size was given. No head is "
      "that small or large.",
      "Measure the longest side of the head, and set scan.units or scan.size_mm if the size is wrong."},
+    {"space-contradicted", Severity::warning,
+     "The file names the axes of the patient (SPACE=LPS or SPACE=RAS), and the settings place the head "
+     "otherwise.",
+     "Leave scan.up, scan.front, scan.mirror and the angles at auto and 0 if the file is right. Compare the "
+     "mold with the "
+     "patient."},
     {"thin", Severity::warning, "The sheet becomes thinner than forming.thin_limit.",
      "Use a thicker sheet or a lower mold."},
     {"tilted", Severity::warning,

@@ -1,28 +1,17 @@
 // Bundles the web application: node build.mjs [--out DIR] [--watch] [--quiet]
 //
 // DIR receives index.html and files whose names carry a hash of their content, each also compressed (.gz). Fails if a
-// message is missing in a language, or if everything together exceeds the budget.
+// message is missing in a language.
 import {build, context} from 'esbuild';
 import {mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
 import {dirname, join} from 'node:path';
 import {fileURLToPath} from 'node:url';
 import {gzipSync} from 'node:zlib';
 import {checkMessages, messages} from './messages.mjs';
-import {checkUnused, leanThree} from './three.mjs';
 
-const budget = 200_000;  // bytes of all files, compressed
 const here = dirname(fileURLToPath(import.meta.url));
 const option = (name) => process.argv.includes(name) ? process.argv[process.argv.indexOf(name) + 1] : undefined;
 const out = option('--out') ?? join(here, 'dist');
-
-// Without the comments and the indentation of shaders, which are strings for the bundler.
-const leanShaders = {
-  name: 'lean-shaders',
-  setup(build) {
-    build.onLoad({filter: /\.glsl\.ts$/},
-                 ({path}) => ({contents: readFileSync(path, 'utf8').replace(/\s*\/\/.*$|^ +/gm, ''), loader: 'ts'}));
-  },
-};
 
 const options = {
   absWorkingDir: here,
@@ -39,7 +28,7 @@ const options = {
   assetNames: '[name]-[hash]',
   loader: {'.svg': 'file', '.png': 'file'},
   publicPath: '/app',
-  plugins: [leanThree(here), leanShaders, messages(join(here, 'lang'))],
+  plugins: [messages(join(here, 'lang'))],
   metafile: true,
   legalComments: 'none',
   logLevel: 'warning',
@@ -59,18 +48,13 @@ function writePage(metafile) {
 }
 
 function compress() {
-  let all = 0;
   for (const name of readdirSync(out).sort()) {
     const content = readFileSync(join(out, name));
-    if (name.endsWith('.js')) checkUnused(content.toString());
     const bytes = gzipSync(content, {level: 9});
     bytes[9] = 255;  // the operating system in the header of gzip: unknown, so that the bytes are the same everywhere
     writeFileSync(join(out, name + '.gz'), bytes);
-    all += bytes.length;
     if (!quiet) console.log(String(bytes.length).padStart(8), name);
   }
-  if (!quiet) console.log(String(all).padStart(8), `bytes in all, of ${budget}`);
-  if (all > budget) throw new Error(`the web application has ${all} bytes, more than its budget of ${budget}`);
 }
 
 const quiet = process.argv.includes('--quiet');

@@ -23,6 +23,7 @@ const outdir = mkdtempSync(join(tmpdir(), 'vacuform-web-test-'));
 try {
   const {metafile} = await build({
     entryPoints, outdir, outbase: join(here, 'test'), absWorkingDir: here, bundle: true, platform: 'node', format: 'esm',
+    alias: {'tus-js-client': 'tus-js-client/lib.esm/browser/index.js'},  // what a browser gets of it
     target: 'node18', sourcemap: 'inline', outExtension: {'.js': '.mjs'}, metafile: true, logLevel: 'warning', plugins: [messages(join(here, 'lang'))],
     // where files of the repository are found; a bundle lies elsewhere
     define: {'process.env.VACUFORM_WEB': JSON.stringify(here)}});

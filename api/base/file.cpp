@@ -97,7 +97,7 @@ Result<void> File::sync() {
   return disk_error("flushing to the disk", "the data folder", number);
 }
 
-void File::doubt() const { (void)::futimens(descriptor_, nullptr); }
+void File::invalidate() const { (void)::futimens(descriptor_, nullptr); }
 
 Result<void> make_directory(const std::filesystem::path& path) {
   std::error_code error;

@@ -43,7 +43,7 @@ class File {
   // Returns when the bytes are on the disk.
   Result<void> sync();
   // Changes the file's times, so that a reader who caches by time checks the bytes again.
-  void doubt() const;
+  void invalidate() const;
 
  private:
   int descriptor_ = -1;

@@ -249,7 +249,7 @@ Result<std::optional<Lease>> WorkerClient::lease(const std::string& worker,
   const auto settings = object.find("settings");
   lease.settings = settings == object.end() || settings->is_null() ? "{}" : settings->dump();
   lease.reference = clean_reference(text_of(object, "reference")).value_or("");
-  lease.keep = text_of(object, "keep");
+  lease.cache = text_of(object, "cache");
   const auto inputs = object.find("inputs");
   const bool with_inputs = inputs != object.end() && inputs->is_object();
   if (with_inputs)

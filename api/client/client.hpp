@@ -87,7 +87,7 @@ struct Lease {
   std::string request;                 // the id of the request that made the job, for the log; may be empty
   std::vector<LeasedInput> inputs;     // in the order of input_kinds, with all that the kind of job needs
   std::string
-      keep;  // a key for what may be kept for other jobs of the same owner and scan; empty: keep nothing
+      cache;  // a key for what may be cached for other jobs of the same owner and scan; empty: cache nothing
   // Whether this program understands everything that the job needs. If not, only `job`, `token` and `request` are
   // valid, and the job must be released.
   bool understood = true;

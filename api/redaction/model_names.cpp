@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "api/base/patient_space.hpp"
 #include "api/base/text.hpp"
 
 namespace vacuform {
@@ -94,18 +95,29 @@ Result<int> ModelNames::texture(std::string_view path, const std::string& file) 
 
 int ModelNames::texture_there(std::string_view path) { return entry(path).number; }
 
-int ModelNames::material(std::string_view name) {
+ModelNames::Material& ModelNames::material(std::string_view name) {
   const auto found = materials_.find(name);
   if (found != materials_.end()) return found->second;
-  const int number = static_cast<int>(materials_.size()) + 1;
-  materials_.emplace(name, number);
-  return number;
+  Material& material = materials_[std::string(name)];
+  material.number = static_cast<int>(materials_.size());
+  return material;
+}
+
+int ModelNames::used_material(std::string_view name) {
+  Material& found = material(name);
+  found.used = true;
+  return found.number;
+}
+
+int ModelNames::defined_material(std::string_view name) {
+  Material& found = material(name);
+  found.defined = true;
+  return found.number;
 }
 
 Result<void> ModelLines::take(std::string_view line, std::string& out) {
   ++line_;
   if (line_ == 1 && line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);  // a mark of UTF-8
-  if (kind_ == Kind::ply_header) return ply(line, out);
   std::string_view rest = line;
   Result<void> done;
   if (goes_on_) {  // a face that continues the last line
@@ -126,16 +138,18 @@ void ModelLines::obj(std::string_view word, std::string_view rest, std::string& 
   if (one_of(word, model_numbers))
     out.append(word).append(" ").append(numbers_of(rest));
   else if (word == "usemtl")
-    out.append("usemtl m").append(std::to_string(names_.material(trimmed(rest))));
+    out.append("usemtl m").append(std::to_string(names_.used_material(trimmed(rest))));
   else if (word == "mtllib")
     out += "mtllib model.mtl";
+  else if (const NamedSpace named = find_space(word.starts_with('#') ? rest : ""); named.size > 0)
+    out.append("# SPACE=").append(name(named.space));
 }
 
 Result<void> ModelLines::mtl(std::string_view word, std::string_view rest, std::string& out) {
   if (word == "newmtl")
-    out.append("newmtl m").append(std::to_string(names_.material(trimmed(rest))));
-  else if (word == "Kd")
-    out.append("Kd ").append(numbers_of(rest));
+    out.append("newmtl m").append(std::to_string(names_.defined_material(trimmed(rest))));
+  else if (equal_ignoring_case(word, "Kd"))  // its case stays: the reader tells of a wrong one
+    out.append(word).append(" ").append(numbers_of(rest));
   else if (lower(word) == "map_kd")
     return map(rest, out);
   return {};
@@ -172,23 +186,6 @@ Result<void> ModelLines::map(std::string_view rest, std::string& out) {
                 "export the model again");
   VACUFORM_TRY(number, names_.texture(name, "the MTL, line " + std::to_string(line_)));
   out.append(" texture-").append(std::to_string(number));
-  return {};
-}
-
-Result<void> ModelLines::ply(std::string_view line, std::string& out) {
-  std::string_view rest = line;
-  const std::string_view word = next_word(rest);
-  ended_ = word == "end_header";
-  if (word != "comment" && word != "obj_info") {
-    out.append(line).append("\n");
-    return {};
-  }
-  out += word;
-  if (word == "comment" && next_word(rest) == "TextureFile") {
-    VACUFORM_TRY(number, names_.texture(trimmed(rest), "the PLY, line " + std::to_string(line_)));
-    out.append(" TextureFile texture-").append(std::to_string(number));
-  }
-  out += '\n';
   return {};
 }
 

@@ -16,8 +16,14 @@ class ModelNames {
   // Of an image, by its file name without folders, whatever the case. `file` says where the name is. Errors: corrupt_file
   // (an absolute path, or one to a parent folder).
   Result<int> texture(std::string_view path, const std::string& file);
-  // Of a material of the library, by its name.
-  int material(std::string_view name);
+  // Of a material, by its name, that the OBJ uses or that its library defines.
+  int used_material(std::string_view name);
+  int defined_material(std::string_view name);
+  struct Material {
+    int number = 0;
+    bool used = false, defined = false;
+  };
+  const std::map<std::string, Material, std::less<>>& materials() const { return materials_; }
   // The images that a file names, with their numbers; and the name as the file has it.
   struct Texture {
     int number = 0;
@@ -30,7 +36,8 @@ class ModelNames {
  private:
   Texture& entry(std::string_view path);
   std::map<std::string, Texture> textures_;
-  std::map<std::string, int, std::less<>> materials_;
+  Material& material(std::string_view name);
+  std::map<std::string, Material, std::less<>> materials_;
 };
 
 // A path of an archive or of a file in it, whose steps are then separated by '/'. Errors: corrupt_file (as above).
@@ -40,23 +47,20 @@ Result<std::string> plain_path(std::string_view path, const std::string& where);
 // their numbers.
 class ModelLines {
  public:
-  enum class Kind { obj, mtl, ply_header };
+  enum class Kind { obj, mtl };
   // Keeps a reference to the names.
   ModelLines(Kind kind, ModelNames& names) : kind_(kind), names_(names) {}
   Result<void> take(std::string_view line, std::string& out);
-  // Of a PLY: that line was the last of the header.
-  bool ended() const { return ended_; }
 
  private:
   void obj(std::string_view word, std::string_view rest, std::string& out);
   Result<void> mtl(std::string_view word, std::string_view rest, std::string& out);
-  Result<void> ply(std::string_view line, std::string& out);
   Result<void> map(std::string_view rest, std::string& out);
 
   const Kind kind_;
   ModelNames& names_;
   std::uint64_t line_ = 0;
-  bool goes_on_ = false, ended_ = false;
+  bool goes_on_ = false;
 };
 
 }  // namespace vacuform

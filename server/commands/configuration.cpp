@@ -10,7 +10,7 @@
 
 #include "api/base/text.hpp"
 #include "server/messages/origin.hpp"
-#include "server/store/s3_address.hpp"
+#include "server/store/blobs/s3/s3_address.hpp"
 
 namespace vacuform {
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/commands/store_command.hpp"
-#include "server/store/copy_store.hpp"
+#include "server/store/sql/copy_store.hpp"
 
 namespace vacuform {
 

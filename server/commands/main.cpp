@@ -23,7 +23,7 @@
 #include "server/commands/local_workers.hpp"
 #include "server/commands/store_command.hpp"
 #include "server/http/server.hpp"
-#include "server/jobs/kept_folder.hpp"
+#include "server/jobs/worker_caches.hpp"
 #include "server/messages/problem.hpp"
 #include "server/routes/routes.hpp"
 #include "server/routes/status_routes.hpp"
@@ -135,14 +135,14 @@ Result<void> serve(const Configuration& options) {
   if (options.check_hours > 0)
     watch.emplace(*store, std::chrono::milliseconds(static_cast<std::int64_t>(options.check_hours * 3.6e6)),
                   static_cast<std::uint64_t>(options.check_mib_per_second) << 20);
-  VACUFORM_TRY(kept, KeptFolder::open(options.data, *store));
+  VACUFORM_TRY(kept, WorkerCaches::open(options.data, *store));
   const std::filesystem::path token_file = std::filesystem::absolute(options.data / "worker-token");
   VACUFORM_CHECK(first_tokens(*store, options.data, token_file));
   Access access(*store, *store);
   Workers seen_workers;
   VACUFORM_TRY(uploads, Uploads::open(*store, options.data / "uploads"));
   Service service{*store, access, seen_workers, *uploads, static_cast<int>(store_options.lease / 1000)};
-  service.kept = kept.get();
+  service.caches = kept.get();
 
   http::ServerOptions listener;
   listener.host = address.host;

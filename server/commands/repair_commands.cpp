@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "server/commands/store_command.hpp"
-#include "server/store/repair.hpp"
-#include "server/store/s3_address.hpp"
+#include "server/store/blobs/s3/s3_address.hpp"
+#include "server/store/sql/repair.hpp"
 
 namespace vacuform {
 

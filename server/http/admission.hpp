@@ -16,7 +16,7 @@ namespace vacuform::http {
 
 using Slot = std::shared_ptr<void>;  // given back when the last copy goes
 
-// Slots that are held for as long as a client likes: so many in all, and so many for one client, so that no one takes
+// Slots that are held for as long as a client likes: a limit for all, and one for each client, so that no client takes
 // those of the others.
 class Slots {
  public:

@@ -10,7 +10,7 @@ class BlobSource : public http::Source {
   Result<std::size_t> read_at(std::uint64_t offset, std::span<char> into) const override {
     return reader_->read_at(offset, into);
   }
-  void doubt() const override { reader_->doubt(); }
+  void invalidate() const override { reader_->invalidate(); }
 
  private:
   std::unique_ptr<BlobReader> reader_;

@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "api/base/text.hpp"
 #include "api/job.hpp"
 
 namespace vacuform {
@@ -28,7 +29,7 @@ std::string_view foreign(std::string_view head) {
       {"PK\x03\x04"sv, "a ZIP archive"},
       {"\x1f\x8b"sv, "a gzip archive"},
       {"Kaydara FBX"sv, "an FBX file"},
-      {"%PDF"sv, "a PDF file"},
+      {"%PDF"sv, "a PDF or Adobe Illustrator file"},
       {"ISO-10303-21"sv, "a STEP file"},
       {"# vtk DataFile"sv, "a VTK file"},
       {"<html"sv, "an HTML file"},
@@ -37,6 +38,25 @@ std::string_view foreign(std::string_view head) {
   for (const auto& [mark, kind] : known)
     if (head.starts_with(mark)) return kind;
   if (head.size() > 132 && head.substr(128, 4) == "DICM") return "a DICOM image";
+  return {};
+}
+
+// The same of drawings; the head of a scan may hold anything.
+std::string_view foreign_drawing(std::string_view head) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 9> known{{
+      {"%!PS-Adobe"sv, "a PostScript, EPS or Adobe Illustrator file"},
+      {"\xc5\xd0\xd3\xc6"sv, "an EPS file"},
+      {"II*\0"sv, "a TIFF picture"},
+      {"MM\0*"sv, "a TIFF picture"},
+      {"GIF8"sv, "a GIF picture"},
+      {"8BPS"sv, "a Photoshop file"},
+      {"AutoCAD Binary DXF"sv, "a binary DXF file"},
+      {"AC10"sv, "a DWG file"},
+      {"BM"sv, "a BMP picture"},
+  }};
+  for (const auto& [mark, kind] : known)
+    if (head.starts_with(mark)) return kind;
+  if (head.starts_with("RIFF") && head.size() > 12 && head.substr(8, 4) == "WEBP") return "a WebP picture";
   return {};
 }
 
@@ -68,6 +88,17 @@ std::string_view scan_format(std::string_view head, std::uint64_t bytes, std::st
   return {};
 }
 
+bool begins_dxf(std::string_view text) {
+  const auto line = [&] {
+    const std::string_view first = text.substr(0, text.find_first_of("\r\n"));
+    text.remove_prefix(std::min(text.size(), first.size()));
+    text.remove_prefix(std::min(text.size(), std::size_t{text.starts_with("\r\n") ? 2u : 1u}));
+    return trimmed(first);
+  };
+  const std::string_view code = line(), value = line();
+  return code == "999" || (code == "0" && value == "SECTION");
+}
+
 std::string_view drawing_format(std::string_view head) {
   if (const auto format = picture(head); !format.empty()) return format;
   return !binary(head) && first_text(head).starts_with('<') ? "svg" : "";
@@ -87,13 +118,14 @@ std::string_view profile_format(std::string_view head) {
 Result<std::string_view> format_of(std::string_view input, std::string_view head, std::uint64_t bytes,
                                    std::string_view extension) {
   if (input == "scan" && extension == "zip" && head.starts_with("PK\x03\x04")) return "zip";
-  const std::string_view other = foreign(head);
-  std::string_view format;
+  std::string_view other = foreign(head), format;
+  if (other.empty() && (input == "pattern" || input == "weights")) other = foreign_drawing(head);
   if (other.empty())
     format = input == "scan"          ? scan_format(head, bytes, extension)
              : input == "temperature" ? temperature_format(head)
              : input == "icc"         ? profile_format(head)
-                                      : drawing_format(head);
+             : input == "pattern" && !binary(head) && begins_dxf(first_text(head)) ? "dxf"
+                                                                                   : drawing_format(head);
   if (!format.empty()) return format;
   const InputKind* kind = input_kind(input);
   return fail(

@@ -12,7 +12,7 @@ namespace vacuform {
 
 inline constexpr std::size_t format_head = 512;  // bytes that are looked at
 
-// "stl", "obj", "ply", "off", "glb", "zip", "svg", "png", "jpeg", "csv" or "icc". `head` holds the first bytes of the file,
+// "stl", "obj", "ply", "off", "glb", "zip", "svg", "dxf", "png", "jpeg", "csv" or "icc". `head` holds the first bytes of the file,
 // format_head of them or all; `input` is a name of input_kinds. Errors: unsupported_format.
 Result<std::string_view> format_of(std::string_view input, std::string_view head, std::uint64_t bytes,
                                    std::string_view extension);

@@ -138,11 +138,11 @@ ordered_json job_json(const Job& job, Detail detail) {
   return all;
 }
 
-ordered_json job_json(const Job& job, const Outlook& outlook) {
+ordered_json job_json(const Job& job, const Estimate& estimate) {
   ordered_json all = job_json(job);
-  all["queue_position"] = outlook.queue_position ? ordered_json(*outlook.queue_position) : ordered_json();
-  all["seconds_expected"] = outlook.seconds_expected
-                                ? ordered_json(std::round(*outlook.seconds_expected * 10) / 10)
+  all["queue_position"] = estimate.queue_position ? ordered_json(*estimate.queue_position) : ordered_json();
+  all["seconds_expected"] = estimate.seconds_expected
+                                ? ordered_json(std::round(*estimate.seconds_expected * 10) / 10)
                                 : ordered_json();
   return all;
 }

@@ -9,7 +9,7 @@ namespace vacuform {
 
 nlohmann::ordered_json job_json(const Job& job, Detail detail = Detail::full);
 // The whole job with the estimates for those who wait.
-nlohmann::ordered_json job_json(const Job& job, const Outlook& outlook);
+nlohmann::ordered_json job_json(const Job& job, const Estimate& estimate);
 nlohmann::ordered_json artifact_json(const Job& job, const StoredArtifact& artifact);
 nlohmann::ordered_json input_json(const Input& input);
 nlohmann::ordered_json backup_json(const BackupReport& report);

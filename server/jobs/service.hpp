@@ -11,7 +11,7 @@
 
 namespace vacuform {
 
-class KeptFolder;
+class WorkerCaches;
 
 // Outlives the listener.
 struct Service {
@@ -21,7 +21,7 @@ struct Service {
   Uploads& uploads;
   int lease_seconds = 30;
   int heartbeat_seconds = 1;
-  KeptFolder* kept = nullptr;  // none: workers keep nothing
+  WorkerCaches* caches = nullptr;  // none: workers keep nothing
   Millis started = boot_clock();
 };
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "api/base/log.hpp"
-#include "api/base/secrets.hpp"
 #include "api/base/text.hpp"
 #include "api/job_inputs.hpp"
 #include "api/job_text.hpp"
@@ -68,18 +68,6 @@ Result<std::string> client_key_of(const http::Request& request) {
     return fail(Code::bad_usage, "the key has not 8 to 128 visible ASCII characters", "Idempotency-Key",
                 "send for example a random UUID");
   return key;
-}
-
-// The key of a page's form, which every submission of that page sends: the same files and settings submitted twice
-// create one job, different ones create another job.
-std::string key_of_form(const std::string& page, NewJob& job) {
-  std::string text = page + "\n" + std::string(name(job.kind)) + "\n" + job.settings + "\n" +
-                     job.derived_from.value_or("") + "\n" + job.reference + "\n" + text_hash(job.note) + "\n";
-  for (NewInput& input : job.inputs) {
-    auto* upload = std::get_if<Upload>(&input.file);
-    text += input.name + " " + (upload ? upload->digest() : std::get<Blob>(input.file)).sha256 + "\n";
-  }
-  return text_hash(text);
 }
 
 // The file that a field names by an id.
@@ -205,11 +193,10 @@ std::uint64_t largest_form() {
 
 std::uint64_t largest_form(std::string_view input) { return part_heads + input_kind(input)->most_bytes; }
 
-Result<NewJob> read_submission(Service& service, http::Request& request, const Caller& caller,
-                               std::map<std::string, std::string>& fields) {
+Result<NewJob> read_submission(Service& service, http::Request& request, const Caller& caller) {
   VACUFORM_CHECK(service.store.room_for(request.content_length));  // before its bytes
   VACUFORM_TRY(client_key, client_key_of(request));
-  SubmissionForm form(service.store, fields);
+  SubmissionForm form(service.store);
   VACUFORM_CHECK(form.read(request));
   NewJob job;
   VACUFORM_TRY(kind, kind_of(form));
@@ -218,7 +205,7 @@ Result<NewJob> read_submission(Service& service, http::Request& request, const C
   VACUFORM_TRY(from, origin_of(service, form, caller));
   VACUFORM_CHECK(read_texts(form, from, job));
   VACUFORM_TRY(base, base_of(service, form, kind, from));
-  VACUFORM_TRY(settings, merged_settings(base, form.settings, fields));
+  VACUFORM_TRY(settings, merged_settings(base, form.settings, form.fields()));
   if (from) {
     share_inputs(*from, settings, job);
     job.derived_from = from->id;
@@ -232,8 +219,7 @@ Result<NewJob> read_submission(Service& service, http::Request& request, const C
   job.settings = to_json(settings).dump();
   job.request = request.id;
   job.owner = caller.owner;
-  const std::string page = form.field("idempotency_key");
-  job.client_key = client_key.empty() && !page.empty() ? key_of_form(page, job) : std::move(client_key);
+  job.client_key = std::move(client_key);
   return job;
 }
 

@@ -10,8 +10,8 @@ namespace vacuform {
 
 namespace {
 
-constexpr std::array<std::string_view, 8> plain_fields{"kind",      "from",   "priority", "profile",
-                                                       "reference", "rescan", "note",     "idempotency_key"};
+constexpr std::array<std::string_view, 7> plain_fields{"kind",      "from",   "priority", "profile",
+                                                       "reference", "rescan", "note"};
 
 bool known(const std::string& field) {
   return SubmissionForm::is_file(field) ||
@@ -46,13 +46,11 @@ Result<void> SubmissionForm::begin(const std::string& name, const std::string& f
   part_ = name;
   file_ = nullptr;
   text_ = nullptr;
-  if ((kind_ = input_kind(name))) {
-    file_ = &files[kind_->name];
-    if (file_->upload) return fail(Code::bad_usage, "there is more than one " + name, name, "send one");
-    VACUFORM_TRY(upload, store_.upload());
-    file_->upload.emplace(std::move(upload));
-    file_->extension = http::safe_extension(file_name);
-    file_->names.emplace(file_->extension);
+  if (const InputKind* kind = input_kind(name)) {
+    if (files.contains(kind->name))
+      return fail(Code::bad_usage, "there is more than one " + name, name, "send one");
+    VACUFORM_TRY(file, FormFile::begin(store_, *kind, http::safe_extension(file_name)));
+    file_ = &files.emplace(kind->name, std::move(file)).first->second;
   } else if (name == "settings" && !has_settings_) {
     has_settings_ = true;
     text_ = &settings;
@@ -60,7 +58,7 @@ Result<void> SubmissionForm::begin(const std::string& name, const std::string& f
     text_ = &fields_[name];
   } else {
     std::string parts;
-    for (const InputKind& kind : input_kinds) parts += std::string(kind.name) + ", ";
+    for (const InputKind& each : input_kinds) parts += std::string(each.name) + ", ";
     return tl::make_unexpected(unknown("or repeated part of the form", name,
                                        "send " + parts + "settings, and fields named group.key, each once"));
   }
@@ -68,14 +66,7 @@ Result<void> SubmissionForm::begin(const std::string& name, const std::string& f
 }
 
 Result<void> SubmissionForm::data(std::string_view bytes) {
-  if (file_) {
-    if (file_->upload->bytes() + bytes.size() > kind_->most_bytes)
-      return fail(Code::too_large,
-                  "the " + part_ + " is larger than " + std::to_string(kind_->most_bytes >> 20) + " MiB",
-                  part_, "send a smaller file");
-    VACUFORM_CHECK(file_->upload->write(file_->names->pass(bytes)));
-    return file_->names->check();
-  }
+  if (file_) return file_->write(bytes);
   text_bytes_ += bytes.size();
   if (text_bytes_ > largest_settings)
     return fail(Code::too_large, "the settings are longer than 64 KiB", part_, "send fewer");
@@ -83,11 +74,7 @@ Result<void> SubmissionForm::data(std::string_view bytes) {
   return {};
 }
 
-Result<void> SubmissionForm::end() {
-  if (!file_) return {};
-  VACUFORM_CHECK(file_->upload->write(file_->names->finish()));
-  return file_->names->check();
-}
+Result<void> SubmissionForm::end() { return file_ ? file_->end() : Result<void>(); }
 
 // Here settings is an object, and everything else a field.
 Result<void> SubmissionForm::take(const nlohmann::json& object) {

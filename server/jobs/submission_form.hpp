@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "api/redaction/names.hpp"
+#include "server/jobs/form_file.hpp"
 #include "server/messages/message.hpp"
 #include "server/messages/multipart.hpp"
 #include "server/store/store.hpp"
@@ -17,24 +17,16 @@ inline constexpr std::uint64_t largest_settings = 64ull << 10;  // all texts of 
 
 class SubmissionForm : public http::PartSink {
  public:
-  struct UploadedFile {
-    std::optional<Upload> upload;
-    std::optional<NameFilter> names;  // on the way there
-    std::string extension;
-
-    bool given() const { return upload && upload->bytes() > 0; }
-  };
-
-  // Texts except the JSON of `settings` go to `fields` by their names, also those of a form that is refused.
-  SubmissionForm(Store& store, std::map<std::string, std::string>& fields) : store_(store), fields_(fields) {}
+  explicit SubmissionForm(Store& store) : store_(store) {}
 
   // Streams the files into the store, without the names in them. Errors: too_large, bad_usage (an unknown or repeated
   // part), those of the body.
   Result<void> read(http::Request& request);
 
-  std::map<std::string_view, UploadedFile> files;  // by the names of input_kinds
-  std::string settings;                            // JSON text; perhaps empty
+  std::map<std::string_view, FormFile> files;  // by the names of input_kinds
+  std::string settings;                        // JSON text; perhaps empty
 
+  // Texts except the JSON of `settings`, by their names.
   const std::map<std::string, std::string>& fields() const { return fields_; }
   // The value of the field; empty if it is absent.
   std::string field(const std::string& name) const;
@@ -49,11 +41,10 @@ class SubmissionForm : public http::PartSink {
   Result<void> take(const nlohmann::json& object);
 
   Store& store_;
-  std::map<std::string, std::string>& fields_;
+  std::map<std::string, std::string> fields_;
   bool has_settings_ = false;
   std::string part_;
-  const InputKind* kind_ = nullptr;  // of the current part, if it is a file
-  UploadedFile* file_ = nullptr;     // where it goes
+  FormFile* file_ = nullptr;  // where it goes
   std::string* text_ = nullptr;
   std::uint64_t text_bytes_ = 0;
 };

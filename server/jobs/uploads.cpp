@@ -9,7 +9,8 @@
 #include <vector>
 
 #include "api/base/log.hpp"
-#include "server/store/file_blobs.hpp"
+#include "server/jobs/form_file.hpp"
+#include "server/store/incoming.hpp"
 
 namespace vacuform {
 
@@ -45,7 +46,7 @@ Result<std::unique_ptr<Uploads>> Uploads::open(Store& store, fs::path folder, Cl
     const auto upload = store.find_upload(entry.path().stem().string());
     const bool unknown =
         !upload && (upload.error().code == Code::not_found || upload.error().code == Code::gone);
-    if (!in_pieces && !unknown && PartialFile::is_one(entry.path())) continue;
+    if (!in_pieces && !unknown) continue;
     if (const auto deleted = delete_file(entry.path()); !deleted)
       log_event("file-not-deleted", {{"folder", "uploads"}, {"problem", deleted.error().what}});
   }
@@ -61,8 +62,14 @@ Result<StoredUpload> Uploads::begin(const std::string& owner, const InputKind& k
         "Upload-Length", "send a smaller file");
   if (length == 0) return fail(Code::bad_usage, "the upload has no bytes", "Upload-Length", "choose a file");
   const Millis now = clock_();
-  StoredUpload upload{random_hex(16), owner, std::string(kind.name), extension,
-                      length,         now,   now + upload_lifetime,  std::nullopt};
+  StoredUpload upload{.id = random_hex(16),
+                      .owner = owner,
+                      .input = std::string(kind.name),
+                      .extension = extension,
+                      .key = SealedFile::new_key(),
+                      .length = length,
+                      .created = now,
+                      .expires = now + upload_lifetime};
   VACUFORM_CHECK(store_.add_upload(upload));
   return upload;
 }
@@ -81,7 +88,7 @@ std::shared_ptr<Uploads::Writer> Uploads::writer_of(const std::string& id) {
           (oldest == writers_.end() || it->second->used < oldest->second->used))
         oldest = it;
     if (oldest == writers_.end()) break;
-    if (store_.shared() && !PartialFile::remove(name_of(oldest->first))) undeleted_.insert(oldest->first);
+    if (store_.shared() && !delete_file(path_of(oldest->first))) undeleted_.insert(oldest->first);
     writers_.erase(oldest);
   }
   return found;
@@ -93,11 +100,13 @@ Result<std::uint64_t> Uploads::offset(const StoredUpload& upload) {
   const std::unique_lock writing(writer->busy, std::try_to_lock);
   if (!writing) return held(upload.id);
   if (upload.pieces > 0) return upload.received;
-  if (writer->file && writer->pieces == 0) return writer->file->bytes();
-  if (store_.shared()) return 0;
-  VACUFORM_TRY(flushed, PartialFile::flushed(name_of(upload.id)));
-  if (flushed == upload.length) VACUFORM_CHECK(finish_after_crash(upload, *writer));
-  return flushed;
+  VACUFORM_TRY(now, store_.find_upload(upload.id));  // it may have been finished meanwhile
+  if (now.blob) return now.length;
+  VACUFORM_CHECK(open_file(now, *writer));
+  const std::uint64_t bytes = writer->file->bytes();
+  // The server may have been killed between the last byte and the row.
+  if (bytes == upload.length) VACUFORM_CHECK(finish(now, *writer));
+  return bytes;
 }
 
 Result<std::uint64_t> Uploads::append(const StoredUpload& upload, std::uint64_t offset,
@@ -111,7 +120,7 @@ Result<std::uint64_t> Uploads::append(const StoredUpload& upload, std::uint64_t 
                ? Result<std::uint64_t>(now.length)
                : fail(Code::conflict, "the upload is complete already", upload.id, "use it");
   VACUFORM_CHECK(open_file(now, *writer));
-  PartialFile& file = *writer->file;
+  SealedFile& file = *writer->file;
   if (offset != file.bytes())
     return fail(Code::conflict,
                 "the upload is at " + std::to_string(file.bytes()) + " and not at " + std::to_string(offset),
@@ -128,26 +137,24 @@ Result<std::uint64_t> Uploads::append(const StoredUpload& upload, std::uint64_t 
   if (!received) return tl::make_unexpected(received.error());
   const std::uint64_t bytes = file.bytes();
   if (bytes < upload.length) return bytes;
-  const auto finished = finish(upload, file);
-  writer->file.reset();
-  if (!finished) return tl::make_unexpected(finished.error());
+  VACUFORM_CHECK(finish(upload, *writer));
   return bytes;
 }
 
 Result<void> Uploads::open_file(const StoredUpload& upload, Writer& writer) {
   if (writer.pieces != upload.pieces) writer.file.reset();
   if (writer.file) return {};
-  const fs::path name = name_of(upload.id);
+  const fs::path path = path_of(upload.id);
   std::vector<Blob> pieces;
   if (upload.pieces > 0) {
     VACUFORM_TRY(kept, store_.pieces(upload.id));
     pieces = std::move(kept);
   } else if (store_.shared()) {
-    VACUFORM_CHECK(PartialFile::remove(name));
+    VACUFORM_CHECK(delete_file(path));
   }
-  auto file = pieces.empty() ? PartialFile::open(name, upload.extension)
-                             : PartialFile::of_pieces(name, upload.extension, pieces.size(),
-                                                      [&](std::size_t i) { return store_.open(pieces[i]); });
+  auto file = pieces.empty() ? SealedFile::open(path, upload.key)
+                             : SealedFile::of_pieces(path, upload.key, pieces.size(),
+                                                     [&](std::size_t i) { return store_.open(pieces[i]); });
   if (!file) return tl::make_unexpected(std::move(file.error()));
   writer.file.emplace(std::move(*file));
   writer.pieces = upload.pieces;
@@ -156,10 +163,10 @@ Result<void> Uploads::open_file(const StoredUpload& upload, Writer& writer) {
 
 // Makes what has come survive this server.
 Result<void> Uploads::flush(const StoredUpload& upload, Writer& writer) {
-  PartialFile& file = *writer.file;
+  SealedFile& file = *writer.file;
   if (file.is_flushed()) return {};
   VACUFORM_CHECK(file.flush());
-  if (!store_.shared() || !file.can_go_on() || file.bytes() == upload.length) return {};
+  if (!store_.shared() || file.bytes() == upload.length) return {};
   const int number = std::exchange(writer.pieces, -1);
   VACUFORM_TRY(piece, store_.upload());
   VACUFORM_CHECK(file.write_piece(piece));
@@ -170,7 +177,7 @@ Result<void> Uploads::flush(const StoredUpload& upload, Writer& writer) {
 
 Result<void> Uploads::receive(const StoredUpload& upload, Writer& writer, http::Request& request,
                               bool whole) {
-  PartialFile& file = *writer.file;
+  SealedFile& file = *writer.file;
   std::uint64_t flushed = file.bytes();
   bool refused = false;
   const auto take = [&](std::string_view piece) -> Result<void> {
@@ -191,20 +198,18 @@ Result<void> Uploads::receive(const StoredUpload& upload, Writer& writer, http::
   return read;
 }
 
-Result<void> Uploads::finish(const StoredUpload& upload, PartialFile& file) {
-  VACUFORM_TRY(whole, file.finish(store_.temporary_path()));
-  VACUFORM_CHECK(store_.finish_upload(upload.id, std::move(whole)));
+// Stores a whole file without its names. What is refused then is refused for good.
+Result<void> Uploads::finish(const StoredUpload& upload, Writer& writer) {
+  auto redacted = redacted_upload(store_, *writer.file, upload.input, upload.extension);
+  writer.file.reset();
+  if (!redacted && is_fault_of_file(redacted.error().code)) {
+    VACUFORM_CHECK(store_.remove_upload(upload.id));
+    discard(upload.id);
+  }
+  if (!redacted) return tl::make_unexpected(std::move(redacted.error()));
+  VACUFORM_CHECK(store_.finish_upload(upload.id, *std::move(redacted)));
   discard(upload.id);
   return {};
-}
-
-// The server may have been killed between the last byte and the row.
-Result<void> Uploads::finish_after_crash(const StoredUpload& upload, Writer& writer) {
-  VACUFORM_TRY(now, store_.find_upload(upload.id));
-  if (now.blob) return {};
-  VACUFORM_TRY(file, PartialFile::open(name_of(upload.id), upload.extension));
-  writer.file.reset();
-  return finish(upload, file);
 }
 
 Result<StoredUpload> Uploads::whole(const StoredUpload& upload) {
@@ -228,7 +233,7 @@ Result<void> Uploads::remove(const std::string& id) {
 }
 
 void Uploads::discard(const std::string& id) {
-  const auto removed = PartialFile::remove(name_of(id));
+  const auto removed = delete_file(path_of(id));
   const std::lock_guard hold(mutex_);
   if (removed)
     undeleted_.erase(id);

@@ -1,12 +1,12 @@
-// Uploads that arrive in pieces: the rows of the store and the files of partial_file.hpp brought together, and who is
-// writing to which at the moment.
+// Uploads that arrive in pieces: the rows of the store and the files of sealed_file.hpp brought together, and who is
+// writing to which at the moment. A whole upload is stored without the names in it (api/redaction/redaction.hpp); one whose
+// file is refused then is deleted.
 //
 // What a request has sent when it breaks off is kept; while a long one goes on, every 8 MiB are flushed, so that a killed
-// server loses no more than these. Memory: the last 16 uploads that were written to keep their filters and hashes, some
-// 100 KiB each; others read themselves through once when they go on.
+// server loses no more than these. Memory: the last 16 uploads that were written to keep some 100 KiB each; others read
+// themselves through once when they go on.
 //
 // Where several servers use the store, each flush also puts a piece into the store, from which another server continues.
-// A zip cannot be continued, so it has to arrive in requests to one server.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,7 @@
 #include <set>
 
 #include "server/messages/message.hpp"
-#include "server/store/partial_file.hpp"
+#include "server/store/sealed_file.hpp"
 #include "server/store/store.hpp"
 
 namespace vacuform {
@@ -38,7 +38,7 @@ class Uploads {
   // The upload with its blob. Errors: conflict, unless all bytes have come; locked.
   Result<StoredUpload> whole(const StoredUpload& upload);
   // Takes the body's bytes, which begin at `offset`, and gives the new offset; the upload is whole when that is its length.
-  // Of a body that must come `whole`, a part counts for nothing. Errors: locked (another request sends bytes),
+  // Of a body that must come `whole`, a part is not kept. Errors: locked (another request sends bytes),
   // conflict (offset is not where the upload is), too_large (more than announced), and those of the body.
   Result<std::uint64_t> append(const StoredUpload& upload, std::uint64_t offset, http::Request& request,
                                bool whole);
@@ -49,20 +49,19 @@ class Uploads {
  private:
   struct Writer {
     std::mutex busy;
-    std::optional<PartialFile> file;
+    std::optional<SealedFile> file;
     int pieces = 0;  // in the store, of the bytes in the file; -1: unknown, since keeping one failed
     std::uint64_t used = 0;
   };
   Uploads(Store& store, std::filesystem::path folder, Clock clock)
       : store_(store), folder_(std::move(folder)), clock_(std::move(clock)) {}
-  std::filesystem::path name_of(const std::string& id) const { return folder_ / id; }
+  std::filesystem::path path_of(const std::string& id) const { return folder_ / (id + ".part"); }
   std::shared_ptr<Writer> writer_of(const std::string& id);
   // Opens the writer's file unless it is open and no other server has received bytes since.
   Result<void> open_file(const StoredUpload& upload, Writer& writer);
   Result<void> receive(const StoredUpload& upload, Writer& writer, http::Request& request, bool whole);
   Result<void> flush(const StoredUpload& upload, Writer& writer);
-  Result<void> finish_after_crash(const StoredUpload& upload, Writer& writer);
-  Result<void> finish(const StoredUpload& upload, PartialFile& file);
+  Result<void> finish(const StoredUpload& upload, Writer& writer);
   // Deletes the files of an upload; collect() tries again what could not be deleted.
   void discard(const std::string& id);
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 
+#include "api/base/base64.hpp"
 #include "api/base/sha256.hpp"
 #include "api/base/text.hpp"
 
@@ -91,12 +92,10 @@ class CheckedBody : public Body {
 }  // namespace
 
 std::string digest_field(const std::string& sha256) {
-  std::array<unsigned char, digest_bytes> bytes{};
-  std::size_t size = 0;
-  sodium_hex2bin(bytes.data(), bytes.size(), sha256.data(), sha256.size(), nullptr, &size, nullptr);
-  std::array<char, sodium_base64_ENCODED_LEN(digest_bytes, sodium_base64_VARIANT_ORIGINAL)> text;
-  sodium_bin2base64(text.data(), text.size(), bytes.data(), bytes.size(), sodium_base64_VARIANT_ORIGINAL);
-  return std::string(field_key) + "=:" + text.data() + ":";
+  std::string bytes(digest_bytes, '\0');
+  sodium_hex2bin(reinterpret_cast<unsigned char*>(bytes.data()), bytes.size(), sha256.data(), sha256.size(),
+                 nullptr, nullptr, nullptr);
+  return std::string(field_key) + "=:" + to_base64(bytes) + ":";
 }
 
 Result<std::string> stated_digest(const Request& request, std::string_view field) {
@@ -121,24 +120,10 @@ Result<std::string> stated_digest(const Request& request, std::string_view field
   return stated;
 }
 
-std::optional<std::string> text_from_base64(std::string_view text) {
-  std::string out(text.size(), '\0');
-  std::size_t size = 0;
-  if (sodium_base642bin(reinterpret_cast<unsigned char*>(out.data()), out.size(), text.data(), text.size(),
-                        nullptr, &size, nullptr, sodium_base64_VARIANT_ORIGINAL) != 0)
-    return std::nullopt;
-  out.resize(size);
-  return out;
-}
-
 std::optional<std::string> digest_from_base64(std::string_view text, Algorithm kind) {
-  std::array<unsigned char, digest_bytes> bytes;
-  std::size_t size = 0;
-  if (sodium_base642bin(bytes.data(), bytes.size(), text.data(), text.size(), nullptr, &size, nullptr,
-                        sodium_base64_VARIANT_ORIGINAL) != 0 ||
-      size != (kind == Algorithm::sha1 ? 20u : digest_bytes))
-    return std::nullopt;
-  return hexadecimal({bytes.data(), size});
+  const auto bytes = from_base64(text);
+  if (!bytes || bytes->size() != (kind == Algorithm::sha1 ? 20u : digest_bytes)) return std::nullopt;
+  return hexadecimal({reinterpret_cast<const unsigned char*>(bytes->data()), bytes->size()});
 }
 
 std::unique_ptr<Body> checked_body(Body& body, std::string digest, Algorithm kind) {

@@ -20,8 +20,6 @@ Result<std::string> stated_digest(const Request& request, std::string_view field
 // SHA-1 finds damage alone, and is there because tus wants it.
 enum class Algorithm { sha256, sha1 };
 
-std::optional<std::string> text_from_base64(std::string_view text);
-
 // The base 64 of a digest in hexadecimal; none when it is not of the algorithm's length.
 std::optional<std::string> digest_from_base64(std::string_view text, Algorithm algorithm);
 

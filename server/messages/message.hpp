@@ -73,7 +73,7 @@ class Source {
   // Bytes from `offset` on, at most the span's size; 0 only at the end. One call at a time.
   virtual Result<std::size_t> read_at(std::uint64_t offset, std::span<char> into) const = 0;
   // Called if the bytes are not the expected ones.
-  virtual void doubt() const {}
+  virtual void invalidate() const {}
 };
 
 // A piece of a source as the body of a response. If the whole source is sent and its SHA-256 is known, the last bytes

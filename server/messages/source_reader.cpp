@@ -22,7 +22,7 @@ std::string_view SourceReader::next(std::size_t most) {
   hash_->add(piece);
   if (read_ < body_.bytes || hash_->hex() == body_.sha256) return piece;
   log_event("blob-damaged", {{"blob", body_.sha256}});
-  body_.source->doubt();
+  body_.source->invalidate();
   return {};
 }
 

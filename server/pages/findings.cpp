@@ -34,9 +34,14 @@ ordered_json findings_values(const json& findings) {
   row("Unit",
       is_true(scan, "size_given") ? "none, scaled to the size given" : guessed("unit", "unit_guessed"));
   row("Up", guessed("up", "up_guessed"));
+  const std::string space = text(at(scan, {"space"}), "");
   row("Face", guessed("front", "front_assumed") +
-                  (is_true(scan, "front_from_format") ? " (as the format defines)" : "") +
+                  (!is_true(scan, "front_from_format") ? ""
+                   : space.empty()                     ? " (as the format defines)"
+                                                       : " (SPACE=" + space + " of the file)") +
                   (is_true(scan, "mirrored") ? ", mirrored" : ""));
+  const std::string told = text(at(scan, {"left_from_file"}), "");
+  if (!told.empty()) row("Patient's left, as the file says", told + " (SPACE=" + space + ")");
   const std::string left = text(at(scan, {"left_side"}), "");
   if (left == "minus_x" || left == "plus_x")
     row("Patient's left", std::string(left == "minus_x" ? "-x" : "+x") + ", confirmed by a person");

@@ -2,7 +2,6 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "api/job_text.hpp"
 #include "server/jobs/job_json.hpp"
 #include "server/pages/findings.hpp"
 #include "server/pages/pages.hpp"
@@ -16,17 +15,18 @@ using nlohmann::ordered_json;
 namespace {
 
 // "Number 3 in the queue. Such a job usually takes 2 minutes."
-std::string outlook_text(const Outlook& outlook) {
+std::string estimate_text(const Estimate& estimate) {
   std::string text;
-  if (outlook.queue_position) text += "Number " + std::to_string(*outlook.queue_position) + " in the queue.";
-  if (!outlook.seconds_expected) return text;
-  const auto seconds = static_cast<int>(std::ceil(*outlook.seconds_expected));
+  if (estimate.queue_position)
+    text += "Number " + std::to_string(*estimate.queue_position) + " in the queue.";
+  if (!estimate.seconds_expected) return text;
+  const auto seconds = static_cast<int>(std::ceil(*estimate.seconds_expected));
   const int minutes = (seconds + 30) / 60;
   return text + (text.empty() ? "" : " ") + "Such a job usually takes " +
          (seconds < 90 ? std::to_string(seconds) + " seconds" : std::to_string(minutes) + " minutes") + ".";
 }
 
-ordered_json progress_values(const Job& job, const Outlook& outlook) {
+ordered_json progress_values(const Job& job, const Estimate& estimate) {
   if (ended(job.state)) return nullptr;
   std::string text = "Waiting for a worker.";
   if (job.state == JobState::running)
@@ -34,7 +34,7 @@ ordered_json progress_values(const Job& job, const Outlook& outlook) {
   if (job.state == JobState::cancelling) text = "The worker is told to stop.";
   if (job.attempt > 1) text += " Attempt " + std::to_string(job.attempt) + ".";
   return {{"text", text},
-          {"outlook", outlook_text(outlook)},
+          {"estimate", estimate_text(estimate)},
           {"percent", std::to_string(static_cast<int>(100 * whole_progress(job)))}};
 }
 
@@ -113,18 +113,6 @@ ordered_json files_values(const Job& job, bool previews) {
   return {{"files", std::move(files)}};
 }
 
-// A form that makes the print of an inspection or a layout that has succeeded, of its scan and with its settings.
-ordered_json print_form_values(const Job& job) {
-  if (job.kind == JobKind::print || job.state != JobState::succeeded) return nullptr;
-  const InputKind& pattern = *input_kind("pattern");
-  return {{"title", pattern.title},
-          {"extensions", pattern.extensions},
-          {"reference", job.reference},
-          {"reference_hint", reference_hint},
-          {"longest_reference", std::to_string(longest_reference)},
-          {"waits", job.input("pattern") != nullptr}};
-}
-
 const char* title_of(JobKind kind) {
   switch (kind) {
     case JobKind::print:
@@ -180,7 +168,7 @@ std::string serious_text(const Job& job) {
   return std::to_string(count) + " serious warning" + (count == 1 ? "" : "s");
 }
 
-Page job_page(const Job& job, const json& made, const std::vector<LogLine>& log, const Outlook& outlook) {
+Page job_page(const Job& job, const json& made, const std::vector<LogLine>& log, const Estimate& estimate) {
   const std::string state(name(job.state));
   const std::string what = title_of(job.kind);
   Page page;
@@ -194,14 +182,13 @@ Page job_page(const Job& job, const json& made, const std::vector<LogLine>& log,
                        {"state", state},
                        {"serious", serious_text(job)},
                        {"inspection", job.kind == JobKind::inspection},
-                       {"progress", progress_values(job, outlook)},
+                       {"progress", progress_values(job, estimate)},
                        {"problem", problem_values(job.error)},
                        {"findings", findings_values(made)},
                        {"layout", layout_values(made)},
                        {"warnings", warnings_values(made)},
                        {"previews", files_values(job, true)},
                        {"figures", figures_values(made)},
-                       {"print_form", print_form_values(job)},
                        {"downloads", files_values(job, false)},
                        {"created", rfc3339(job.created)},
                        {"reference", job.reference},

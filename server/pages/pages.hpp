@@ -1,7 +1,6 @@
 // The pages, each a function of its content.
 #pragma once
 
-#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -12,17 +11,14 @@
 
 namespace vacuform {
 
-// The form for a new job, made from settings_schema(), with the newest jobs below. After a refusal `error` is shown
-// above it and `fields` (by their names) fill it again; files cannot be filled again, and the page says so.
-Page form_page(const std::vector<Job>& recent, const std::vector<Profile>& profiles,
-               const std::optional<Error>& error = std::nullopt,
-               const std::map<std::string, std::string>& fields = {});
+// The newest jobs, each with a link to its page, and how to start one.
+Page list_page(const std::vector<Job>& recent);
 
-// A job: progress while it runs, then previews, figures and downloads; the content of the scan, the coils of a layout,
-// and after these two a form that makes the print. `made` is the job's artifact report_of(kind), or null; missing parts
-// are omitted. `log` is the beginning of the job's log, `outlook` what those who wait are told.
+// A job: progress while it runs, then previews, figures and downloads; the content of the scan, the coils of a layout.
+// `made` is the job's artifact report_of(kind), or null; missing parts are omitted. `log` is the beginning of the job's
+// log, `estimate` what those who wait are told.
 Page job_page(const Job& job, const nlohmann::json& made, const std::vector<LogLine>& log = {},
-              const Outlook& outlook = {});
+              const Estimate& estimate = {});
 
 // Text next to the state of a job, on its page and in lists: "2 serious warnings", or empty.
 std::string serious_text(const Job& job);

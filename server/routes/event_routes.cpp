@@ -43,8 +43,8 @@ class Shown {
           found->second.artifacts == job.artifacts.size())
         return found->second.text;
     }
-    VACUFORM_TRY(outlook, store.outlook(job));
-    std::string text = dump(job_json(job, outlook));
+    VACUFORM_TRY(estimate, store.estimate(job));
+    std::string text = dump(job_json(job, estimate));
     if (job.state == JobState::queued) return text;
     const std::lock_guard hold(mutex_);
     if (texts_.size() >= most) texts_.clear();

@@ -38,8 +38,7 @@ Result<Response> no_room(Service& service, const Caller& caller, const Error& er
 
 // Says what a submission would be as a job, and keeps nothing.
 Result<Response> validate_job(Service& service, Request& request, const Caller& caller) {
-  std::map<std::string, std::string> fields;
-  VACUFORM_TRY(submission, read_submission(service, request, caller, fields));
+  VACUFORM_TRY(submission, read_submission(service, request, caller));
   if (const auto free = check_reference(service, submission); !free)
     return free.error().code == Code::conflict ? problem_response(free.error(), 422)
                                                : Result<Response>(tl::make_unexpected(free.error()));
@@ -48,8 +47,7 @@ Result<Response> validate_job(Service& service, Request& request, const Caller& 
 }
 
 Result<Response> submit_job(Service& service, Request& request, const Caller& caller) {
-  std::map<std::string, std::string> fields;
-  VACUFORM_TRY(submission, read_submission(service, request, caller, fields));
+  VACUFORM_TRY(submission, read_submission(service, request, caller));
   auto made = create_job(service, std::move(submission), caller);
   // The key of another submission, as the draft of Idempotency-Key wants it told; or the reference of another head.
   if (!made && made.error().code == Code::conflict) return problem_response(made.error(), 422);

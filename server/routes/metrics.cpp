@@ -37,7 +37,7 @@ void Metrics::answered(const http::Answered& answered) {
   const std::string route = answered.route.empty() ? "none" : answered.route;
   ++requests_[{route, answered.method, answered.status}];
   Seconds& seconds = seconds_[route];
-  ++seconds.in[static_cast<std::size_t>(interval)];
+  ++seconds.in[interval];
   seconds.sum += answered.seconds;
 }
 

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "api/base/log.hpp"
-#include "api/redaction/names.hpp"
+#include "server/jobs/form_file.hpp"
 #include "server/jobs/json_artifact.hpp"
 #include "server/jobs/submission.hpp"
 #include "server/messages/multipart.hpp"
@@ -55,40 +55,26 @@ class ScanForm : public http::PartSink {
       return fail(Code::bad_usage, "an unknown or repeated part of the form: " + name.substr(0, 64),
                   "request body", "send scan, or scan_upload");
     if (!in_file_) return {};
-    VACUFORM_TRY(started, store_.upload());
+    VACUFORM_TRY(started, FormFile::begin(store_, *input_kind("scan"), http::safe_extension(file_name)));
     file.emplace(std::move(started));
-    extension = http::safe_extension(file_name);
-    names_.emplace(extension);
     return {};
   }
 
   Result<void> data(std::string_view bytes) override {
-    const std::uint64_t most = input_kind("scan")->most_bytes;
-    if (in_file_ && file->bytes() + bytes.size() > most)
-      return fail(Code::too_large, "the scan is larger than " + std::to_string(most >> 20) + " MiB", "scan",
-                  "send a smaller file");
-    if (in_file_) {
-      VACUFORM_CHECK(file->write(names_->pass(bytes)));
-      return names_->check();
-    }
+    if (in_file_) return file->write(bytes);
     if (upload.size() + bytes.size() > 64)
       return fail(Code::not_found, "there is no such upload", "scan_upload");
     upload += bytes;
     return {};
   }
 
-  Result<void> end() override {
-    if (!in_file_) return {};
-    VACUFORM_CHECK(file->write(names_->finish()));
-    return names_->check();
-  }
+  Result<void> end() override { return in_file_ ? file->end() : Result<void>(); }
 
-  std::optional<Upload> file;
-  std::string extension, upload;
+  std::optional<FormFile> file;
+  std::string upload;
 
  private:
   Store& store_;
-  std::optional<NameFilter> names_;
   bool in_file_ = false;
 };
 
@@ -100,10 +86,10 @@ Result<StoredScan> scan_from(Service& service, ScanForm& form, const Caller& cal
       return fail(Code::bad_usage, "the upload is a " + upload.input, "scan_upload", "upload a scan");
     return service.store.add_scan(caller.owner, *upload.blob, upload.extension);
   }
-  if (!form.file || form.file->bytes() == 0 || !form.upload.empty())
+  if (!form.file || !form.file->given() || !form.upload.empty())
     return fail(Code::bad_usage, "the form needs one scan", "scan",
                 "send either the part scan or scan_upload");
-  return service.store.add_scan(caller.owner, std::move(*form.file), form.extension);
+  return service.store.add_scan(caller.owner, std::move(*form.file->upload), form.file->extension);
 }
 
 Result<Response> create_scan(Service& service, Request& request, const Caller& caller) {

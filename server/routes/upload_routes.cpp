@@ -6,6 +6,7 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
+#include "api/base/base64.hpp"
 #include "api/base/log.hpp"
 #include "api/base/secrets.hpp"
 #include "server/messages/digest.hpp"
@@ -63,7 +64,7 @@ Result<Metadata> metadata_of(std::string_view text) {
     text.remove_prefix(std::min(pair.size() + 1, text.size()));
     const std::size_t space = pair.find(' ');
     const std::string_view key = pair.substr(0, space);
-    const auto value = http::text_from_base64(space == std::string_view::npos ? "" : pair.substr(space + 1));
+    const auto value = from_base64(space == std::string_view::npos ? "" : pair.substr(space + 1));
     if (!value)
       return fail(Code::bad_usage, "a value is not base 64", "Upload-Metadata",
                   "send key BASE64, key BASE64");

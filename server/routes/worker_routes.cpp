@@ -10,8 +10,8 @@
 #include "api/worker_protocol.hpp"
 #include "server/jobs/blob_response.hpp"
 #include "server/jobs/job_json.hpp"
-#include "server/jobs/kept_folder.hpp"
 #include "server/jobs/submission.hpp"
+#include "server/jobs/worker_caches.hpp"
 #include "server/messages/problem.hpp"
 #include "server/routes/guard.hpp"
 #include "server/routes/lists.hpp"
@@ -102,17 +102,18 @@ Result<Response> take_lease(Service& service, Request& request) {
     if (!uses(job.kind, kind)) inputs.erase(std::string(kind.name));
   const Input* scan = job.input("scan");
   log_event("job-leased", {{"job", job.id}, {"attempt", job.attempt}});
-  return json_response({{"job", job.id},
-                        {"kind", name(job.kind)},
-                        {"lease", lease->token},
-                        {"attempt", job.attempt},
-                        {"lease_seconds", service.lease_seconds},
-                        {"heartbeat_seconds", service.heartbeat_seconds},
-                        {"request", job.request},
-                        {"reference", job.reference},
-                        {"keep", service.kept && scan ? service.kept->key(job.owner, scan->blob.sha256) : ""},
-                        {"settings", ordered_json::parse(job.settings)},
-                        {"inputs", std::move(inputs)}});
+  return json_response(
+      {{"job", job.id},
+       {"kind", name(job.kind)},
+       {"lease", lease->token},
+       {"attempt", job.attempt},
+       {"lease_seconds", service.lease_seconds},
+       {"heartbeat_seconds", service.heartbeat_seconds},
+       {"request", job.request},
+       {"reference", job.reference},
+       {"cache", service.caches && scan ? service.caches->key(job.owner, scan->blob.sha256) : ""},
+       {"settings", ordered_json::parse(job.settings)},
+       {"inputs", std::move(inputs)}});
 }
 
 Result<Response> get_input(Service& service, const Request& request) {

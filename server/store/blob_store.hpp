@@ -18,6 +18,7 @@
 #include <string_view>
 #include <vector>
 
+#include "api/base/byte_source.hpp"
 #include "api/base/file.hpp"
 #include "api/base/sha256.hpp"
 #include "server/store/disk_room.hpp"
@@ -64,14 +65,10 @@ class Upload {
 };
 
 // The bytes of one blob, which stay readable if it is deleted meanwhile. From any thread.
-class BlobReader {
+class BlobReader : public ByteSource {
  public:
-  virtual ~BlobReader() = default;
-  virtual Result<std::uint64_t> size() const = 0;
-  // Bytes from `offset` on, at most the span's size; 0 only at the end. Errors: unavailable, unreadable.
-  virtual Result<std::size_t> read_at(std::uint64_t offset, std::span<char> into) const = 0;
   // Called if the bytes are not the expected ones: the next open() checks them again.
-  virtual void doubt() const {}
+  virtual void invalidate() const {}
 };
 
 class BlobPins;

@@ -40,7 +40,7 @@ using JobGuard = std::function<bool(const Job& now)>;  // may be called twice
 using JobCounts = std::array<std::int64_t, job_state_names.size()>;
 
 // What a person who waits for a job wants to know. Both are estimates.
-struct Outlook {
+struct Estimate {
   // 1: the next; of a queued job. As the queue is now: later jobs, rests after faults, and jobs that end meanwhile change
   // it.
   std::optional<std::int64_t> queue_position;
@@ -73,7 +73,7 @@ class JobTable {
   virtual Result<Job> set_reference(const std::string& id, const NewReference& reference,
                                     const JobGuard& allowed = {}) = 0;
   // Of the job as the store gave it.
-  virtual Result<Outlook> outlook(const Job& job) = 0;
+  virtual Result<Estimate> estimate(const Job& job) = 0;
   // `limit` jobs (1 to 100) older than the job that the cursor names; an empty cursor starts with the newest. A filter
   // by text looks at most_searched jobs for a page, which may therefore have fewer jobs and still a `next`.
   virtual Result<JobPage> list(int limit, const std::string& cursor, const JobFilter& filter = {},

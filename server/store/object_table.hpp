@@ -1,8 +1,8 @@
 // The rows of objects in an object store. A blob that is written gets an object with a key of its own, so no key is ever
 // written again: a late deletion cannot hit bytes that were stored since, and nothing is written on a condition.
 //
-// A row is there before its object. It is "arriving" until all bytes are stored, then "live"; a blob has at most one live
-// object. When nobody wants it, or its bytes never came, it is "condemned": nothing new refers to it, readers under way
+// A row is there before its object. It is "uploading" until all bytes are stored, then "live"; a blob has at most one live
+// object. When nobody wants it, or its bytes never came, it is "deleting": nothing new refers to it, readers under way
 // go on, and after a time of grace the object is deleted, and then the row.
 #pragma once
 
@@ -29,17 +29,17 @@ class ObjectTable {
  public:
   virtual ~ObjectTable() = default;
   virtual Result<std::optional<StoredObject>> live_object(const std::string& sha256) = 0;
-  virtual Result<void> add_arriving(const StoredObject& object) = 0;
-  // Makes it live, and condemns the one that was.
+  virtual Result<void> add_uploading(const StoredObject& object) = 0;
+  // Makes it live, and marks the one that was.
   virtual Result<void> object_arrived(const StoredObject& object) = 0;
-  virtual Result<void> condemn(const StoredObject& object) = 0;
+  virtual Result<void> mark_for_deletion(const StoredObject& object) = 0;
   // The live object of a blob that no other row names. A row that begins to name it comes before this or finds it
-  // condemned.
-  virtual Result<void> condemn_if_unnamed(const std::string& sha256) = 0;
-  // All that have been arriving for a time, or have been live for it without another row that names them.
-  virtual Result<void> condemn_unnamed(Millis age) = 0;
-  // Those that were condemned up to a time, the oldest first.
-  virtual Result<std::vector<StoredObject>> condemned_until(Millis time, int limit) = 0;
+  // marked.
+  virtual Result<void> mark_if_unnamed(const std::string& sha256) = 0;
+  // All that have been uploading for a time, or have been live for it without another row that names them.
+  virtual Result<void> mark_unnamed(Millis age) = 0;
+  // Those that were marked up to a time, the oldest first.
+  virtual Result<std::vector<StoredObject>> marked_until(Millis time, int limit) = 0;
   virtual Result<void> forget(const StoredObject& object) = 0;
   // The keys of all rows of blobs whose hashes are from `first` to `last`.
   virtual Result<std::set<std::string>> keys_between(const std::string& first, const std::string& last) = 0;

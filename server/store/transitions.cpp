@@ -101,7 +101,7 @@ Result<Transition> when_finished(const Job& job, const Faults& faults, const End
     return end(job, now, JobState::failed, ending.error);
   return queue_again(
       job, now,
-      ending.retry == Retry::after_crash ? "its process broke down" : "its worker had an internal fault",
+      ending.retry == Retry::after_crash ? "its process crashed" : "its worker had an internal fault",
       rest_after(now, limits.backoff, chance));
 }
 

@@ -1,4 +1,4 @@
-// What the store knows of an upload that arrives in pieces (partial_file.hpp): whose it is, what it will be, until when
+// What the store knows of an upload that arrives in pieces (sealed_file.hpp): whose it is, what it will be, until when
 // it is kept, and, once it is whole, its blob, which jobs and scans may then share.
 #pragma once
 
@@ -17,9 +17,10 @@ struct StoredUpload {
   std::string owner;
   std::string input;      // one of input_kinds
   std::string extension;  // as of an Input
+  std::string key;        // of the file and its pieces; empty once it is whole
   std::uint64_t length = 0;
   Millis created = 0, expires = 0;
-  std::optional<Blob> blob;  // once it is whole
+  std::optional<Blob> blob = {};  // once it is whole
   // What add_piece() kept: how many bytes of the file have come, in how many pieces.
   std::uint64_t received = 0;
   int pieces = 0;

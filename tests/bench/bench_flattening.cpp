@@ -152,12 +152,18 @@ class Bench {
     if (!flat) stop(flat.error().text());
     const auto placement = place(ChartedSurface(surface, *flat), nullptr, settings, Context{});
     if (!placement) stop(placement.error().text());
-    const auto print = make_print(ChartedSurface(surface, *flat), pattern, nullptr, *placement, settings,
-                                  {"benchmark"}, Context{});
+    const auto print = make_print(
+        {.charted = ChartedSurface(surface, *flat),
+         .placement = *placement,
+         .settings = settings,
+         .label = {"benchmark"},
+         .layers = {{.name = "print", .source = picture_layer(pattern, *placement, nullptr, false)}}},
+        Context{});
     if (!print) stop(print.error().text());
     Row row;
     row.surface = "neonate-40w", row.side = side, row.triangles = flat->triangles.size();
-    row.method = "arap, print " + std::to_string(print->width) + " x " + std::to_string(print->height);
+    row.method =
+        "arap, print " + std::to_string(print->grid.width) + " x " + std::to_string(print->grid.height);
     row.seconds = cpu_seconds() - start;
     rows_.push_back(row);
   }

@@ -71,18 +71,29 @@ class Bench {
     });
     rows.back().made = pattern.format();
     std::vector<Warning> of_drawing;
-    const auto lines = read_drawing(drawing, pattern, of_drawing);
+    const auto lines = read_drawing(pattern, of_drawing);
     const auto placement = measure(head, "placement", [&]() -> Result<Placement> {
       VACUFORM_TRY(placed, place(charted, lines ? &*lines : nullptr, settings, context));
       if (lines) VACUFORM_CHECK(add_couplings(charted, *lines, settings, context, placed));
       return placed;
     });
     rows.back().made = count(placement.elements.size(), "elements");
-    const auto print = measure(head, "printing", [&] {
-      return make_print(charted, pattern, lines ? &*lines : nullptr, placement, settings, {"benchmark"},
+    const auto print = measure(head, "printing", [&]() -> Result<Print> {
+      std::shared_ptr<const LayerSource> source;
+      if (lines) {
+        VACUFORM_TRY(drawn, drawing_layer(pattern, *lines, placement, settings, context));
+        source = std::move(drawn);
+      } else {
+        source = picture_layer(pattern, placement, nullptr, false);
+      }
+      return make_print({.charted = charted,
+                         .placement = placement,
+                         .settings = settings,
+                         .label = {"benchmark"},
+                         .layers = {{.name = "print", .source = std::move(source)}}},
                         context);
     });
-    rows.back().made = count(print.png.size() / 1024, "KiB of print.png");
+    rows.back().made = count(print.top().files.png.size() / 1024, "KiB of print.png");
 
     Finished finished{.settings = settings,
                       .mold = mold,
@@ -90,6 +101,7 @@ class Bench {
                       .surface = surface,
                       .flattening = flattening,
                       .pattern = pattern,
+                      .placement = placement,
                       .print = print};
     const auto files = measure(head, "inspection", [&] {
       add_chart_figures(finished);

@@ -197,18 +197,24 @@ int main(int argc, char** argv) {
   const Pattern picture =
       bench.measure("3 picture of previews", [&] { return picture_of(colours, settings.sheet, context); });
   const Print print = bench.measure("4 print: sampling and files", [&] {
-    return make_print(charted, picture, nullptr, placement, settings, {"benchmark"}, context, &colours);
+    const auto source = colour_layer(printed_colours(colours, surface, settings.print),
+                                     picture_layer(picture, placement, nullptr, false));
+    return make_print({.charted = charted,
+                       .placement = placement,
+                       .settings = settings,
+                       .label = {"benchmark"},
+                       .layers = {{.name = "print", .source = source}}},
+                      context);
   });
   bench.measure("the print alone: sampling", [&]() -> Result<std::size_t> {
-    const ColourRaster raster(colours, print.width, print.height, print.pixel_mm);
+    const ColourRaster raster(colours, print.grid);
     std::size_t bytes = 0;
-    for (int top = 0; top < print.height; top += raster.band_rows())
-      bytes += raster.rows(top, std::min(top + raster.band_rows(), print.height)).size();
+    for (int top = 0; top < print.grid.height; top += raster.band_rows())
+      bytes += raster.rows(top, std::min(top + raster.band_rows(), print.grid.height)).size();
     return bytes;
   });
-  const auto ink = ink_of(print, surface, settings.print.ink_curve);
   ColourErrors errors = bench.measure("5 comparison with the scan", [&] {
-    return colour_errors(colours, print, ink ? &*ink : nullptr, settings.sheet.resolution_mm, context);
+    return colour_errors(print, settings.sheet.resolution_mm, context);
   });
   Finished finished{.settings = settings,
                     .mold = mold,
@@ -216,11 +222,10 @@ int main(int argc, char** argv) {
                     .surface = surface,
                     .flattening = flattening,
                     .pattern = picture,
+                    .placement = placement,
                     .print = print,
                     .alignment = {.shift_mm = -flattening.top_rest},
-                    .placement = &placement,
-                    .label = "benchmark",
-                    .colours = &colours};
+                    .label = "benchmark"};
   finished.figures.errors = std::move(errors);
   bench.measure("6 report, previews and other files", [&] {
     add_chart_figures(finished);

@@ -1,10 +1,10 @@
 """Prints how round, large, far apart and coupled coils come out of the real programs, a row a scan and a pattern.
 
-    python3 tests/bench/coil_table.py BIN SHARED-DATA [--keep DIR] [--only WORD] [--set group.key=value ...]
+    python3 tests/bench/coil_table.py BIN SHARED-DATA [--cache DIR] [--only WORD] [--set group.key=value ...]
 
 Runs `vacuform run` and measures formed.ply and print.svg by the independent checker (`measure_coils`). A row counts the
 coils, and the pairs of coils, that lie wholly on the head; `gain %` is by how much the squares of all distances' errors
-fall at most when one centre is moved by half a millimetre, where they are above 2 mm rms: the surface forbids less. `--keep`
+fall at most when one centre is moved by half a millimetre, where they are above 2 mm rms: the surface forbids less. `--cache`
 spares forming a head again; `--only` takes the rows with that word in their name. `--set coils.decouple=true` for decoupled
 arrays.
 """
@@ -33,7 +33,7 @@ def timed(words):
 
 def row(arguments, scan, pattern, folder):
     given = [word for s in [*SCANS[scan], "print.dpi=72", *arguments.set] for word in ("--set", s)]
-    kept = ["--keep", arguments.keep] if arguments.keep else []
+    kept = ["--cache", arguments.cache] if arguments.cache else []
     pattern = pathlib.Path(__file__).resolve().parents[1] / "data" / "patterns" / pattern
     _, run_s = timed([arguments.bin / "vacuform", "run", "--scan", arguments.data / "scans" / scan, "--pattern", pattern,
                       "--out", folder, *given, *kept])
@@ -64,7 +64,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("bin", type=pathlib.Path)
     parser.add_argument("data", type=pathlib.Path)
-    parser.add_argument("--keep")
+    parser.add_argument("--cache")
     parser.add_argument("--only", default="")
     parser.add_argument("--set", action="append", default=[])
     arguments = parser.parse_args()

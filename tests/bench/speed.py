@@ -60,13 +60,13 @@ def measures(arguments, folder):
         if arguments.only in "print":
             yield f"print, {head}", *medians(arguments.runs, lambda _: base), peak_mib(base)
         if arguments.only in "kept head":
-            kept = [*base, "--keep", folder / head]
+            kept = [*base, "--cache", folder / head]
             run(kept)
             turned = lambda k: [*kept, "--set", f"pattern.rotate_deg={5 * k + 5}"]
             yield f"another pattern on a kept head, {head}", *medians(arguments.runs, turned), peak_mib(turned(20))
     if arguments.only in "layout":
         laid = [vacuform, "layout", "--scan", arguments.data / "scans" / HEADS["newborn"], "--count", 32, "--diameter_mm",
-                "fitted", "--out", folder / "layout", "--keep", folder / "newborn"]
+                "fitted", "--out", folder / "layout", "--cache", folder / "newborn"]
         run(laid)
         yield "layout of 32 fitted loops on a kept head", *medians(arguments.runs, lambda _: laid), peak_mib(laid)
 

@@ -4,11 +4,11 @@ import {readFileSync} from 'node:fs';
 import {after, before, test} from 'node:test';
 import {drawn, quick, sample, show, signIn, startBrowser, startService} from './drive.mjs';
 
-// Coils so far apart that no neighbour moves them: each lies where the chart has it.
+// Coils so far apart that with pairs no neighbour moves them: each lies where the chart has it.
 const centres = {a: [-40, 0], b: [40, 0], c: [0, 40]};  // u, v
 const drawing = `<svg xmlns="http://www.w3.org/2000/svg" width="120mm" height="120mm" viewBox="-60 -60 120 120">${
   Object.entries(centres).map(([id, [u, v]]) => `<g id="${id}"><circle cx="${u}" cy="${-v}" r="6" fill="none" stroke="#000" stroke-width="2"/></g>`).join('')}
-  <circle cx="0" cy="0" r="59" fill="none" stroke="#000" stroke-width="0.1"/></svg>`;
+  <path d="M-59 0A59 59 0 0 1 0 -59" fill="none" stroke="#000" stroke-width="0.1"/></svg>`;
 
 let service;
 let browser;

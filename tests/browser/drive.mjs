@@ -197,11 +197,15 @@ export async function openPage(browser, service, options = {}, at = service.url)
 // A page of a person who has signed in through the page for that, with an administrator's token unless told otherwise.
 export async function signIn(browser, service, options = {}, {token = service.token, at = service.url} = {}) {
   const page = await openPage(browser, service, options, at);
+  await enter(page, token);
+  return page;
+}
+// Signs in through the page for that.
+export async function enter(page, token) {
   await page.goto('/sign-in');
   await page.getByLabel('Token').fill(token);
   await page.getByRole('button', {name: 'Sign in'}).click();
   await page.waitForURL((url) => url.pathname !== '/sign-in');
-  return page;
 }
 
 // Starts Chromium and a service for the tests of a file, and ends both after them. `start` returns at least {service};

@@ -11,7 +11,10 @@ after(async () => { await service?.stop(); });
 
 // How much of the outer tenth on each side of the picture is covered, within the middle of its height.
 const sides = (page) => page.locator('.scan-front img').evaluate(async (image) => {
-  await image.decode();
+  for (let source = ''; source !== image.src;) {  // the page may replace the picture while it is decoded
+    source = image.src;
+    await image.decode().catch((error) => { if (source === image.src) throw error; });
+  }
   const {naturalWidth: w, naturalHeight: h} = image, canvas = document.createElement('canvas');
   canvas.width = w;
   canvas.height = h;

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import {mkdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';
 import {after} from 'node:test';
-import {choose, pause, settled, setUp, show, startService, until} from './drive.mjs';
+import {choose, pause, sample, settled, setUp, show, startService, until} from './drive.mjs';
 import {startRelay} from './relay.mjs';
 
 let service;
@@ -91,6 +91,16 @@ test('an upload that stalls for a while continues', async ({page}) => {
   const size = readFileSync(scan).length;
   await until(async () => (await uploadOf(id))?.offset === size, 'the end of the upload');
   await page.getByText(/^Choose/).first().waitFor();
+});
+
+test('an upload that begins without a connection begins when there is one', async ({page}) => {
+  await show(page, '#/new');
+  relay.cut();
+  await choose(page, 'Choose a drawing', sample().pattern);
+  await page.getByText('Waiting for the server').waitFor();
+  relay.restore();
+  await page.getByText('The pattern has arrived.').waitFor({state: 'attached'});
+  assert.deepEqual(await page.evaluate(() => Object.keys(localStorage).filter((key) => key.includes('tus'))), []);
 });
 
 test('another file is not appended to the upload of the first', async ({page}) => {

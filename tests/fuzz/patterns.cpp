@@ -42,7 +42,7 @@ void read(Bytes bytes, const char* file_name) {
     return require(pattern.error().code != Code::internal, "a bad drawing is no fault of Vacuform's");
   check(*pattern);
   std::vector<Warning> warnings;
-  if (const auto drawing = read_drawing(bytes, *pattern, warnings)) check(*drawing);
+  if (const auto drawing = read_drawing(*pattern, warnings)) check(*drawing);
 }
 
 }  // namespace

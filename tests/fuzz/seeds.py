@@ -251,7 +251,7 @@ REQUESTS = [REQUEST, REQUEST.replace("5", "99999999999999999999"), REQUEST.repla
 
 def seeds():
     """By target, by name, the bytes."""
-    found = {name: {} for name in ("stl", "obj", "ply", "off", "glb", "zip", "png", "jpeg", "svg", "settings", "multipart", "names",
+    found = {name: {} for name in ("stl", "obj", "ply", "off", "glb", "zip", "png", "jpeg", "svg", "settings", "multipart", "redaction",
                                    "temperature", "patches", "icc", "request")}
     points, faces = small_dome()
     found["stl"] |= {"binary": hostile.stl(triangles()), "text": hostile.ascii_stl(triangles()),
@@ -285,7 +285,7 @@ def seeds():
     for target, order in (("stl", 0), ("obj", 1), ("ply", 2), ("off", 3), ("png", 4), ("jpeg", 5)):
         for name, data in found[target].items():
             if len(data) < 20000:  # the first byte chooses the pieces, and by that the extension
-                found["names"][f"{target} {name}"] = bytes([7 + order - 1]) + data
+                found["redaction"][f"{target} {name}"] = bytes([7 + order - 1]) + data
     return found
 
 

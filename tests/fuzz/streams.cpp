@@ -7,7 +7,7 @@
 #include <array>
 #include <string>
 
-#include "api/redaction/names.hpp"
+#include "api/redaction/redaction.hpp"
 #include "server/http/connection.hpp"
 #include "server/messages/multipart.hpp"
 #include "server/messages/range.hpp"
@@ -48,11 +48,33 @@ std::pair<std::string, bool> form(std::string_view body, std::size_t piece) {
   return {record.told, parser.finish().has_value()};
 }
 
-std::string blanked(std::string_view bytes, const std::string& extension, std::size_t piece) {
-  NameFilter filter(extension);
+// Gives its bytes in pieces of so many.
+class Pieces : public ByteSource {
+ public:
+  Pieces(std::string_view bytes, std::size_t step) : bytes_(bytes), step_(step) {}
+  Result<std::uint64_t> size() const override { return bytes_.size(); }
+  Result<std::size_t> read_at(std::uint64_t offset, std::span<char> into) const override {
+    if (offset >= bytes_.size()) return 0;
+    return bytes_.copy(into.data(), std::min(step_, into.size()), static_cast<std::size_t>(offset));
+  }
+
+ private:
+  const std::string_view bytes_;
+  const std::size_t step_;
+};
+
+// The copy, or why it is refused.
+std::pair<std::string, bool> redacted(std::string_view bytes, const std::string& extension,
+                                      std::size_t piece) {
   std::string out;
-  for (std::size_t at = 0; at < bytes.size(); at += piece) out += filter.pass(bytes.substr(at, piece));
-  return out + filter.finish();
+  const auto keep = [&](std::string_view some) -> Result<void> {
+    out += some;
+    return {};
+  };
+  const auto done = redact(Pieces(bytes, piece), extension, keep);
+  if (done) return {std::move(out), true};
+  require(done.error().code != Code::internal, "a bad file is no fault of Vacuform's");
+  return {done.error().text(), false};
 }
 
 std::size_t piece_of(std::string_view& bytes) {
@@ -74,15 +96,15 @@ void read_multipart(Bytes bytes) {
   if (boundary) require(!boundary->empty() && boundary->size() <= 70, "a boundary has 1 to 70 characters");
 }
 
-void blank_names(Bytes bytes) {
-  static const std::array<std::string, 7> extensions{"stl", "obj", "ply", "off", "png", "jpg", ""};
+void redact_file(Bytes bytes) {
+  static const std::array<std::string, 8> extensions{"stl", "obj", "ply", "off", "csv", "zip", "svg", ""};
   std::string_view file = text(bytes);
   const std::size_t piece = piece_of(file);
   const std::string& extension = extensions[piece % extensions.size()];
-  const std::string whole = blanked(file, extension, file.size() + 1);
-  require(whole.size() == file.size(), "a file keeps its length");
-  require(blanked(file, extension, piece) == whole, "a file is blanked the same, however it is cut");
-  require(blanked(whole, extension, whole.size() + 1) == whole, "blanking twice changes nothing");
+  const auto whole = redacted(file, extension, file.size() + 1);
+  require(redacted(file, extension, piece) == whole, "a copy is the same, however its file is read");
+  if (whole.second)
+    require(redacted(whole.first, extension, whole.first.size() + 1) == whole, "a second copy is the same");
 }
 
 // The head of a request as it comes over a socket, then its body.

@@ -18,14 +18,14 @@ struct Target {
   void (*run)(Bytes);
 };
 
-// stl, obj, ply, off, glb, zip, png, jpeg, svg, settings, multipart, names, temperature, patches, icc,
+// stl, obj, ply, off, glb, zip, png, jpeg, svg, settings, multipart, redaction, temperature, patches, icc,
 // request.
 std::span<const Target> targets();
 const Target* target(std::string_view name);  // null: none of that name
 
 void read_stl(Bytes), read_obj(Bytes), read_ply(Bytes), read_off(Bytes), read_glb(Bytes), read_zip(Bytes);
 void read_png(Bytes), read_jpeg(Bytes), read_svg(Bytes);
-void read_settings(Bytes), read_multipart(Bytes), blank_names(Bytes), read_temperature(Bytes),
+void read_settings(Bytes), read_multipart(Bytes), redact_file(Bytes), read_temperature(Bytes),
     read_ink_chart(Bytes), read_icc(Bytes), read_request(Bytes);
 
 // Ends the program, with the promise in its last words.

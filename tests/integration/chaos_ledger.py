@@ -9,7 +9,7 @@ from harness import PATIENCE, wait_for
 ENDED = ("succeeded", "failed", "cancelled")
 ENDINGS = ("succeeded", "cancelled", "refused", "crashed twice", "lost ten times")  # the categories of the figures
 # The message in the log of a job for each retry.
-BROKE_DOWN = "its process broke down, queued again"
+CRASHED = "its process crashed, queued again"
 LOST = ("its worker was lost, queued again", "its worker had an internal fault, queued again")
 
 
@@ -79,7 +79,7 @@ class Ledger:
         # Everything else was killed from outside. Of these kills only the second death of the job's own process may end
         # it, or the tenth of a worker that ran it.
         log = [line["text"] for line in api.log(job)]
-        crashed, lost = log.count(BROKE_DOWN) == 1, sum(map(log.count, LOST)) == 9
+        crashed, lost = log.count(CRASHED) == 1, sum(map(log.count, LOST)) == 9
         assert problem["type"] == "/problems/internal" and (crashed or lost) or problem["type"] == "/problems/out-of-time" and crashed, (
             f"{job} failed without a fault of its own: {json.dumps(problem)}, {log}")
         return "lost ten times" if "workers were lost" in problem["what"] else "crashed twice"

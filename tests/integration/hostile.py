@@ -136,7 +136,7 @@ SCANS = {
     "PLY that promises 2^63 faces": ("corrupt-file", "how many", "ply", lambda: ply(faces=2**63)),
     "PLY with a list of 2^31-1 corners": ("corrupt-file", "longer than the file", "ply", lambda: ply(list_length=2**31 - 1)),
     "PLY with a list of -1 corners": ("corrupt-file", "a list of the PLY file", "ply", lambda: ply(list_length=-1)),
-    "PLY with a type of its own": ("corrupt-file", '"quad"', "ply", lambda: ply(kind="quad")),
+    "PLY with a type of its own": ("corrupt-file", "unknown PLY property type", "ply", lambda: ply(kind="quad")),
     "PLY that is cut short": ("corrupt-file", "ends within its data", "ply", lambda: ply()[:-7]),
     "PLY without an end of its header": ("corrupt-file", "no end_header", "ply", lambda: b"ply\nformat ascii 1.0\nelement vertex 3\n" + b"comment x\n" * 10**5),
     "OFF that promises more": ("corrupt-file", "4000000000 vertices", "off", lambda: b"OFF\n4000000000 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
@@ -179,12 +179,12 @@ PATTERNS = {
     "JPEG that is cut short": ("corrupt-file", "JPEG is damaged", "jpg", lambda: b"\xff\xd8\xff\xe0\0\x10JFIF\0\1\1\1\1\x2c\1\x2c\0\0" + b"\xff\xdb\0\x43"),
     "SVG that is not XML": ("corrupt-file", "SVG cannot be read", "svg", lambda: b"<svg xmlns='http://www.w3.org/2000/svg'><g></svg>"),
     "SVG with nothing in it": ("unusable-pattern", "empty", "svg", lambda: svg("")),
-    "SVG whose entities multiply": ("corrupt-file", "SVG cannot be read", "svg", lambda: svg(
+    "SVG whose entities multiply": ("unsupported-format", "declares parts of the drawing", "svg", lambda: svg(
         "<text>&j;</text>", prolog='<!DOCTYPE svg [<!ENTITY a "aaaaaaaaaa">' + "".join(
             f'<!ENTITY {b} "{("&" + a + ";") * 10}">' for a, b in zip("abcdefghi", "bcdefghij")) + "]>")),
-    "SVG that reads a file of the machine": ("corrupt-file", "SVG cannot be read", "svg", lambda: svg(
+    "SVG that reads a file of the machine": ("unsupported-format", "declares parts of the drawing", "svg", lambda: svg(
         "<text>&x;</text>", prolog='<!DOCTYPE svg [<!ENTITY x SYSTEM "file:///etc/passwd">]>')),
     "SVG of a million metres": ("unusable-pattern", "1000000000 x 1000000000 mm", "svg", lambda: svg("<rect width='1' height='1'/>", root='width="1e9mm" height="1e9mm"')),
-    "scan for a pattern": ("unsupported-format", "neither PNG, JPEG nor SVG", "svg", lambda: stl(dome_triangles())),
-    "text for a pattern": ("unsupported-format", "neither PNG, JPEG nor SVG", "png", lambda: b"a letter\n" * 100),
+    "scan for a pattern": ("unsupported-format", "neither PNG, JPEG, SVG nor DXF", "svg", lambda: stl(dome_triangles())),
+    "text for a pattern": ("unsupported-format", "neither PNG, JPEG, SVG nor DXF", "png", lambda: b"a letter\n" * 100),
 }

@@ -175,7 +175,7 @@ void replace_report(const std::function<void()>& with) {
 int main(int argc, char** argv) {
   if (argc > 1 && std::strcmp(argv[1], "--version") == 0) return 0;
   const std::string settings = content("settings.json");
-  const auto at = settings.find("\"dpi\":");
+  const auto at = settings.find("\"dpi\":", settings.find("\"print\":"));
   const int what = at == std::string::npos ? 100 : std::atoi(settings.c_str() + at + 6);
   const auto aims = targets();
   const auto first = aims.find("secret");

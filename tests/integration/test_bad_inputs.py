@@ -19,13 +19,18 @@ class BadInputs(Case):
         cls.pattern.write_bytes(hostile.GOOD_SVG)
 
     def check_files(self, cases, place):
-        """Submits all files before it waits for the first."""
+        """Submits all files before it waits for the first. What cannot be read without the names in it is refused at once."""
         jobs = {}
         for name, (slug, words, extension, make) in cases.items():
             file = self.folder / f"case.{extension}"
             file.write_bytes(make())
             files = {"scan": self.scan, "pattern": self.pattern, place: file}
-            jobs[name] = self.server.submit(files["scan"], files["pattern"], COARSE)
+            answer = self.server.post(files["scan"], files["pattern"], COARSE)
+            if answer.status == 202:
+                jobs[name] = answer.json["id"]
+                continue
+            with self.subTest(name):
+                self.check_problem(answer.json, slug, words, f"{place}.{extension}")
         for name, job in jobs.items():
             slug, words, extension, _ = cases[name]
             with self.subTest(name):
@@ -34,12 +39,15 @@ class BadInputs(Case):
                 if slug is None:
                     self.assertEqual((ended["state"], ended["problem"]), ("succeeded", None))
                     continue
-                problem = ended["problem"]
-                self.assertEqual((ended["state"], problem["type"]), ("failed", "/problems/" + slug), problem)
-                self.assertIn(words, problem["what"] + problem["fix"])
-                self.assertIn(f"{place}.{extension}", problem["where"])
-                self.assertTrue(problem["fix"])
+                self.assertEqual(ended["state"], "failed")
+                self.check_problem(ended["problem"], slug, words, f"{place}.{extension}")
                 self.assertEqual(ended["artifacts"], [])
+
+    def check_problem(self, problem, slug, words, where):
+        self.assertEqual(problem["type"], f"/problems/{slug}", problem)
+        self.assertIn(words, problem["what"] + problem["fix"])
+        self.assertIn(where, problem["where"])
+        self.assertTrue(problem["fix"])
 
     def test_scans(self):
         self.check_files(hostile.SCANS, "scan")

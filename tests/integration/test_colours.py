@@ -217,6 +217,42 @@ class Colours(Case):
         mixed = (0.71515 * r + 0.28485 * g, g, 0.04116 * g + 0.95884 * b)
         return tuple(round(255 * max(0, v) ** (1 / 2.2)) for v in mixed)
 
+    def test_a_model_that_lacks_its_library_is_refused_by_name(self):
+        folder = self.folder / "lacking"
+        folder.mkdir()
+        (folder / "a.obj").write_text("mtllib renamed.mtl\n" + hostile.obj().decode())
+        (folder / "a.mtl").write_text("newmtl a\nKd 1 0 0\n")
+        done = self.run_with(folder / "a.obj", self.folder / "of-lacking")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("the material library renamed.mtl, which is not beside it", done.stderr)
+
+    def test_a_ply_names_several_textures_and_an_obj_several_libraries(self):
+        points, faces = hostile.dome()
+        folder = self.folder / "several"
+        folder.mkdir()
+        for name, colour in (("a b.png", RED), ("c.png", BLUE)):
+            (folder / name).write_bytes(texture(colour, colour))
+        (folder / "head.ply").write_text(
+            f"ply\nformat ascii 1.0\ncomment TextureFile a b.png\ncomment TextureFile c.png\nelement vertex {len(points)}\n"
+            f"property float x\nproperty float y\nproperty float z\nelement face {len(faces)}\nproperty list uchar int vertex_indices\n"
+            "property list uchar float texcoord\nproperty int texnumber\nend_header\n" + "".join(f"{x} {y} {z}\n" for x, y, z in points) +
+            "".join(f"3 {a} {b} {c} 6 0 0 1 0 0 1 {int(sum(points[i][0] for i in (a, b, c)) > 0)}\n" for a, b, c in faces))
+        (folder / "head.obj").write_text(
+            "mtllib A.mtl c.mtl\n" + "".join(f"v {x} {y} {z}\n" for x, y, z in points) +
+            "".join(f"usemtl {'c' if sum(points[i][0] for i in face) > 0 else 'a'}\nf " + " ".join(str(i + 1) for i in face) + "\n" for face in faces))
+        for name, colour in (("a", RED), ("c", BLUE)):
+            (folder / f"{name}.mtl").write_text(f"newmtl {name}\nKd {' '.join(str(v / 255) for v in colour)}\n")
+        for scan in "head.ply", "head.obj":
+            out = self.folder / f"of-several-{scan}"
+            done = self.run_with(folder / scan, out, "--set", "scan.up=+z")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            rows = pixels((out / "print.png").read_bytes())
+            middle, per_mm = len(rows) // 2, 72 / 25.4
+            for x, wanted in (-15, RED), (15, BLUE):
+                found = rows[middle - round(10 * per_mm)][middle + round(x * per_mm)]
+                for a, b in zip(found, wanted):
+                    self.assertAlmostEqual(a, b, delta=2, msg=(scan, x, found))
+
     def test_other_profiles_are_refused_by_name(self):
         for profile, says in ((hostile.icc(b"CMYK"), "for CMYK"), (hostile.icc(b"GRAY"), "for gray"), (b"hello", "not an ICC profile"),
                               (hostile.icc()[:140], "damaged"), (hostile.icc() + bytes(5 << 20), "printer.icc")):

@@ -109,10 +109,10 @@ class Progress(Case):
                             "--set", "sheet.resolution_mm=10", "--set", "print.dpi=72", *words)
             self.assertEqual(done.returncode, 0, done.stderr)
             lines = [json.loads(line) for line in done.stdout.splitlines()]
-            return [(line["stage"], line["progress"], line.get("kept", False)) for line in lines
+            return [(line["stage"], line["progress"], line.get("cached", False)) for line in lines
                     if line["stage"] in ("scan", "forming")]
 
-        keep, turned = ("--keep", self.folder / "kept"), ("--pattern", RINGS, "--set", "pattern.rotate_deg=30")
+        keep, turned = ("--cache", self.folder / "cache"), ("--pattern", RINGS, "--set", "pattern.rotate_deg=30")
         self.assertGreater(len(run("first", "--pattern", PATTERNS / "rings-7x40mm.svg", *keep)), 10)
         self.assertEqual(run("again", *turned, *keep), [(stage, 1, kept) for stage in ("scan", "forming")
                                                         for kept in (True, False)])

@@ -151,7 +151,7 @@ class ServerConfiguration(Configuration, Case):
 
 
 class WorkerConfiguration(Configuration, Case):
-    program, number, largest, text, made = "worker", "keep_days", 3650, "name", "work"
+    program, number, largest, text, made = "worker", "cache_days", 3650, "name", "work"
     first_names = "server, token_file, name, work, poll_seconds, drain, max_jobs"
 
     @classmethod
@@ -163,15 +163,15 @@ class WorkerConfiguration(Configuration, Case):
 
     def test_defaults(self):
         settings = self.settings(file={})
-        self.assertEqual((settings["poll_seconds"], settings["keep"], settings["keep_days"], settings["no_keep"], settings["sandbox"]),
+        self.assertEqual((settings["poll_seconds"], settings["cache"], settings["cache_days"], settings["no_cache"], settings["sandbox"]),
                          (1.0, "", 7, False, "required"))
 
     def test_yes_and_no(self):
-        self.assertIs(self.settings(file={"no_keep": True})["no_keep"], True)
-        self.assertIs(self.settings("--no-keep")["no_keep"], True)
-        self.assertIs(self.settings(file={"no_keep": True}, VACUFORM_WORKER_NO_KEEP="0")["no_keep"], False)
-        self.assertIs(self.settings("--no-keep=false", VACUFORM_WORKER_NO_KEEP="1")["no_keep"], False)
-        self.assertRegex(self.refused(file={"no_keep": "perhaps"}), r"perhaps.*worker\.json")
+        self.assertIs(self.settings(file={"no_cache": True})["no_cache"], True)
+        self.assertIs(self.settings("--no-cache")["no_cache"], True)
+        self.assertIs(self.settings(file={"no_cache": True}, VACUFORM_WORKER_NO_CACHE="0")["no_cache"], False)
+        self.assertIs(self.settings("--no-cache=false", VACUFORM_WORKER_NO_CACHE="1")["no_cache"], False)
+        self.assertRegex(self.refused(file={"no_cache": "perhaps"}), r"perhaps.*worker\.json")
 
     def test_parts_of_a_second(self):
         self.assertEqual(self.settings(file={"poll_seconds": 0.25})["poll_seconds"], 0.25)

@@ -2,6 +2,7 @@
 import hashlib
 import json
 import os
+import pathlib
 import signal
 import socket
 import unittest
@@ -66,7 +67,7 @@ class Crashes(Case):
         self.assert_one_whole_set(server, job)
         self.assertEqual([e["job"] for e in self.events(server.program, "job-completed")], [job])
         wait_for(lambda: self.events(second, "job-left"), "the worker's own last word")
-        self.assertEqual([f.name for f in (self.here / "work").iterdir()], ["kept"])
+        self.assertEqual([f.name for f in (self.here / "work").iterdir()], ["cache"])
 
     def test_frozen_worker_s_late_words_change_nothing(self):
         server = self.server()
@@ -133,7 +134,10 @@ class Crashes(Case):
                                 f"Authorization: Bearer {server.token_file.read_text().strip()}\r\n"
                                 f"Content-Type: multipart/form-data; boundary={boundary}\r\n"
                                 f"Content-Length: {10 * len(half)}\r\n\r\n").encode() + half)
-            wait_for(lambda: len(self.blobs(server)) > len(before), "the half upload on disk")
+            incoming = str(server.data / "incoming")
+            wait_for(lambda: any(str(fd.readlink()).startswith(incoming) and fd.stat().st_size > len(half) // 2  # has no name
+                                 for fd in pathlib.Path(f"/proc/{server.program.pid}/fd").iterdir() if fd.is_symlink()),
+                     "the half upload on disk")
             self.assertEqual(server.stop(signal.SIGKILL), -signal.SIGKILL)
         server.start()
         self.assertEqual([j["id"] for j in server.jobs()], accepted[::-1])

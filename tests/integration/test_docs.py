@@ -269,7 +269,7 @@ exec {shlex.quote(str(BIN / "vacuform"))} "$@"
         for folder in "preview", "decoupled", "print", "turned":
             self.assertEqual((here / folder / "print.pdf").read_bytes()[:5], b"%PDF-", folder)
             self.assertTrue((here / folder / "report.html").exists())
-        self.assertFalse((here / "kept").exists())
+        self.assertFalse((here / "cache").exists())
         # What the tutorial says that one sees there.
         self.assertRegex(said, r"Circles out of round, mean \(worst\) +1[23]\.\d\d % .* 0\.0\d % ")
         self.assertIn("0 serious warnings, 3 warnings", said.partition("Files: ")[0])

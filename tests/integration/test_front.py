@@ -140,7 +140,7 @@ class Front(Case):
 
     def test_nothing_is_kept_of_an_upload_without_a_token(self):
         """The token is checked before any byte of the body is read."""
-        for path in ("/api/v1/jobs", "/api/v1/validate", "/api/v1/scans", "/jobs", "/api/v1/uploads", "/api/v1/uploads/x"):
+        for path in ("/api/v1/jobs", "/api/v1/validate", "/api/v1/scans", "/api/v1/uploads", "/api/v1/uploads/x"):
             head = (f"POST {path} HTTP/1.1\r\nHost: {NAME}:{self.https}\r\nContent-Type: multipart/form-data; boundary=b\r\n"
                     f"Content-Length: 1000000000\r\n\r\n")
             answer, seconds = self.talk(head.encode() + bytes(1 << 20), PATIENCE)

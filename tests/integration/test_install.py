@@ -168,7 +168,7 @@ class Install(Case):
             for own in /opt /run /var/lib /var/cache /var/backups; do mount -t tmpfs -o mode=755 own $own; done
             install=(checkout/deploy/install --prefix /opt/vacuform --listen 127.0.0.1:{port})
             "${{install[@]}}" > first
-            sed -i 's/"keep_days": 1/"keep_days": 2/' /etc/vacuform/worker.json
+            sed -i 's/"cache_days": 1/"cache_days": 2/' /etc/vacuform/worker.json
             "${{install[@]}}" > second
             while read -r command; do eval "$command" 2>> log & done < <(sed -n 's/^    \\(.*vacuform-\\(server\\|worker\\)\\)$/\\1/p' second)
             for _ in {{1..600}}; do curl -sf --noproxy '*' -o health http://127.0.0.1:{port}/healthz && break; sleep 0.1; done

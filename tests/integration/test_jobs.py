@@ -39,7 +39,7 @@ class DerivedJobs(Case):
             self.assertEqual(said[:2] + said[-1:], ["queued", "attempt 1 begins", "succeeded"])
             for stage in "scan", "forming", "flattening", "printing", "inspection":
                 self.assertIn(f"stage {stage}", said)
-            self.assertNotIn("stage scan kept", said)
+            self.assertNotIn("stage scan cached", said)
             self.assertTrue(all(w.startswith("warning ") for w in said[said.index("stage inspection") + 1:-1]), said)
         with server:  # stored stages survive the service and its workers
             answer = self.derive(server, first, MOVED)
@@ -48,8 +48,8 @@ class DerivedJobs(Case):
             self.assertEqual(second["state"], "succeeded", second["problem"])
             self.assertEqual(second["derived_from"], first)
             said = log_of(server, second["id"])
-            self.assertIn("stage scan kept", said)
-            self.assertIn("stage forming kept", said)
+            self.assertIn("stage scan cached", said)
+            self.assertIn("stage forming cached", said)
             self.assertNotIn("stage forming", said)
             self.assertIn("stage printing", said)
             sheets = [next(a["sha256"] for a in server.job(j)["artifacts"] if a["name"] == "print.png")
@@ -66,7 +66,7 @@ class DerivedJobs(Case):
             self.assertEqual((self.folder / "kept" / "print.svg").read_bytes(), (self.folder / "fresh" / "print.svg").read_bytes())
 
             # A head is stored as long as a job names its scan, for its owner only.
-            kept = list((server.data / "workers" / "kept").iterdir())
+            kept = list((server.data / "workers" / "cache").iterdir())
             self.assertEqual(len(kept), 1)
             self.assertRegex(kept[0].name, "^[0-9a-f]{64}$")
             self.assertNotEqual(kept[0].name, second["inputs"]["scan"]["sha256"])  # reveals neither scan nor owner
@@ -77,10 +77,10 @@ class DerivedJobs(Case):
             other = ["-H", "Authorization: Bearer " + made["token"]]
             third = server.post(SCAN, RINGS, {"sheet": {"resolution_mm": 6}, "print": {"dpi": 72}}, *other).json["id"]
             self.assertEqual(server.wait(third)["state"], "succeeded")
-            self.assertNotIn("stage scan kept", log_of(server, third))
-            self.assertEqual(len(list((server.data / "workers" / "kept").iterdir())), 2)
+            self.assertNotIn("stage scan cached", log_of(server, third))
+            self.assertEqual(len(list((server.data / "workers" / "cache").iterdir())), 2)
             self.assertEqual(curl("-X", "DELETE", f"{server.api}/jobs/{third}").status, 204)
-            wait_for(lambda: list((server.data / "workers" / "kept").iterdir()) == kept, "the end of what was kept for the other owner")
+            wait_for(lambda: list((server.data / "workers" / "cache").iterdir()) == kept, "the end of what was kept for the other owner")
             jobs = [j["id"] for j in server.jobs()]
             for job in jobs:
                 self.assertTrue(kept[0].exists())

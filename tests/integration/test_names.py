@@ -27,23 +27,24 @@ def glb():
         views.append({"buffer": 0, "byteOffset": at, "byteLength": len(part), "name": TEXT})
         at += len(part)
     return hostile.glb({
-        "asset": {"version": "2.0", "generator": "Scanner of " + TEXT, "copyright": TEXT, "extras": {TEXT: [TEXT, 1984]}},
+        TEXT: {TEXT: 1}, "asset": {"version": "2.0", "generator": "Scanner of " + TEXT, "copyright": TEXT, "extras": {TEXT: [TEXT, 1984]}},
         "scene": 0, "scenes": [{"nodes": [0], "name": TEXT}], "nodes": [{"mesh": 0, "name": TEXT, "extras": TEXT}],
         "meshes": [{"name": TEXT, "primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
         "materials": [{"name": TEXT}], "textures": [{"source": 0, "name": TEXT}],
-        "images": [{"bufferView": 2, "mimeType": "image/png", "name": TEXT}], "buffers": [{"byteLength": at}], "bufferViews": views,
+        "images": [{"bufferView": 2, "mimeType": "image/png", "name": TEXT}], "buffers": [{"byteLength": at + len(NAME)}], "bufferViews": views, "extensions": {TEXT: {"a": TEXT}},
         "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": len(points)},
-                      {"bufferView": 1, "componentType": 5125, "type": "SCALAR", "count": 3 * len(faces)}]}, corners + indices + picture)
+                      {"bufferView": 1, "componentType": 5125, "type": "SCALAR", "count": 3 * len(faces)}]}, corners + indices + picture + NAME) + NAME
 
 
 def text_scans():
     points, faces = hostile.dome()
     rows = "".join("%r %r %r\n" % p for p in points)
+    tagged = "".join("%r %r %r 7\n" % p for p in points)
     ply = (f"ply\nformat ascii 1.0\ncomment {TEXT}\nobj_info {TEXT}\nelement vertex {len(points)}\nproperty float x\nproperty float y\n"
-           f"property float z\nelement face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
+           f"property float z\nproperty uchar {TEXT}\nelement face {len(faces)}\nproperty list uchar int vertex_indices\nelement {TEXT} 1\nproperty uchar {TEXT}\nend_header\n")
     corners = "".join("3 %d %d %d\n" % f for f in faces)
-    return {"ply": (ply + rows + corners).encode(),
-            "off": f"OFF # {TEXT}\n# {TEXT}\n{len(points)} {len(faces)} 0\n{rows}{corners}".encode(),
+    return {"ply": (ply + tagged + corners + f"1\n{TEXT}\n").encode(),
+            "off": f"OFF # {TEXT}\n# {TEXT}\n{len(points)} {len(faces)} 0\n{rows}{corners}{TEXT}\n".encode(),
             "obj": f"# {TEXT}\nmtllib {TEXT}.mtl\no {TEXT}\ng {TEXT}\nusemtl {TEXT}\n".encode() + hostile.obj(),
             "stl": hostile.ascii_stl(hostile.dome_triangles(), name=TEXT)}
 
@@ -62,10 +63,11 @@ def patterns():
     svg = hostile.svg(
         f'<title>{TEXT}</title><desc>{TEXT}</desc><metadata><rdf:RDF><dc:creator>{TEXT}</dc:creator></rdf:RDF></metadata><!-- {TEXT} -->'
         f'<sodipodi:namedview inkscape:who="{TEXT}">{TEXT}</sodipodi:namedview><style>/* {TEXT} */ g {{ stroke: black }}</style>'
-        f'<g id="coil" inkscape:label="{TEXT}" data-name="{TEXT}">{ring}</g><image width="9" height="9" xlink:href="data:image/png;base64,{picture}"/>',
+        f'<g id="coil" inkscape:label="{TEXT}" data-name="{TEXT}" owner="{TEXT}">{ring}</g><text display="none">{TEXT}</text><who n="{TEXT}">&who;</who>'
+        f'<image width="9" height="9" xlink:href="data:image/png;base64,{picture}"/>',
         root='width="100mm" height="100mm" viewBox="0 0 100 100" xmlns:xlink="http://www.w3.org/1999/xlink" xmlns:dc="d" xmlns:rdf="r" '
-             f'xmlns:sodipodi="s" xmlns:inkscape="i" sodipodi:docname="{TEXT}.svg" inkscape:export-filename="/home/{TEXT}/a.png"',
-        prolog=f'<?xml version="1.0"?><?xpacket {TEXT}?><!-- {TEXT} -->')
+             f'xmlns:sodipodi="http://{TEXT}" xmlns:inkscape="i" sodipodi:docname="{TEXT}.svg" inkscape:export-filename="/home/{TEXT}/a.png"',
+        prolog=f'<?xml version="1.0"?><?xpacket {TEXT}?><!-- {TEXT} --><!DOCTYPE svg [<!ENTITY who "{TEXT}">]>')
     return {"svg": svg, "png": png, "jpg": jpeg}
 
 

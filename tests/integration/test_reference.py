@@ -91,7 +91,7 @@ class Reference(Case):
         other = self.server.wait(curl("-H", "Content-Type: application/json", "-d", body, self.server.api + "/jobs").json["id"])
         self.assertEqual((other["state"], other["reference"], other["note"]), ("succeeded", REFERENCE, ""))
         lines = [line["text"] for line in curl(f"{self.server.api}/jobs/{other['id']}/log").json["lines"]]
-        self.assertIn("stage forming kept", lines)
+        self.assertIn("stage forming cached", lines)
         self.assertNotIn("warning mirrored-or-turned", lines)
 
 

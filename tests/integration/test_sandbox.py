@@ -136,7 +136,7 @@ class Hostile(Case):
             subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={self.disk_mib}m,mode=700", "tmpfs", self.work], check=True)
             self.addCleanup(subprocess.run, ["umount", "-l", self.work])
         os.chown(self.work, NOBODY.pw_uid, NOBODY.pw_gid)
-        self.aims(("folder", self.server.data), ("secret", self.server.data / "admin-token"), ("secret", token), ("folder", self.work / "kept"))
+        self.aims(("folder", self.server.data), ("secret", self.server.data / "admin-token"), ("secret", token), ("folder", self.work / "cache"))
         self.log = self.here / "worker.log"
         with open(self.log, "wb") as log:
             worker = subprocess.Popen([self.bin / "vacuform-worker", "--server", self.server.url, "--token-file", token, "--work", self.work,
@@ -205,9 +205,9 @@ class Calls(Case):
         subprocess.run([BIN / "vacuform", "sample", "--model", "mask", "--out", self.folder / "models"], check=True, capture_output=True)
         coarse = "--set=sheet.resolution_mm=8", "--set=print.dpi=72"
         drawing = "run", "--scan", "sample/head.stl", "--pattern", "sample/pattern.svg", *coarse
-        os.mkdir(self.folder / "kept", 0o700)
-        jobs = [(*drawing, "--set=coils.decouple=true", "--keep", "kept", "--out", "one", "--progress", "json"),
-                (*drawing, "--keep", "kept", "--out", "two"),
+        os.mkdir(self.folder / "cache", 0o700)
+        jobs = [(*drawing, "--set=coils.decouple=true", "--cache", "cache", "--out", "one", "--progress", "json"),
+                (*drawing, "--cache", "cache", "--out", "two"),
                 (*drawing, "--set=forming.model=mass_spring", "--out", "three"),
                 ("run", "--scan", "models/mask.glb", "--set=pattern.source=scan", *coarse, "--out", "four"),
                 ("inspect", "--scan", "sample/head.stl", "--out", "five")]
@@ -223,7 +223,7 @@ class AsRoot(Hostile):
         (self.bin / "vacuform-worker").chmod(0o755)
         data = self.server.data
         self.aims(("folder", data), ("secret", data / "admin-token"), ("secret", data / "worker-token"), ("secret", data / "jobs.sqlite"),
-                  ("folder", data / "workers" / "kept"))
+                  ("folder", data / "workers" / "cache"))
         self.server.start()
         self.addCleanup(self.server.stop)
         (worker,) = wait_for(lambda: children(self.server.program.pid), "the worker")
@@ -255,7 +255,7 @@ class AsService(Hostile):
     def test_without_landlock_the_best_effort_keeps_all_but_this_user_s_own_files(self):
         worker = self.alone(confine.without_landlock(), "--sandbox=best-effort")
         self.assertEqual(self.started(), (["namespaces", "seccomp"], ["landlock"]))
-        self.assertFalse((self.work / "kept").exists())  # no files of other owners are there
+        self.assertFalse((self.work / "cache").exists())  # no files of other owners are there
         token = str(self.here / "token")  # its user may read and delete it
         self.hold_against(worker.pid, self.work, lambda done: not (done.endswith(token) and done.split()[0] in ("read", "write", "link", "rename")))
 

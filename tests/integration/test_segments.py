@@ -40,8 +40,8 @@ class Segments(Case):
 
     @classmethod
     def asked(cls, name, *words):
-        return vacuform("run", "--scan", *cls.scan(), "--pattern", cls.grid, "--out", cls.folder / name, "--keep",
-                        cls.folder / "kept", "--set",
+        return vacuform("run", "--scan", *cls.scan(), "--pattern", cls.grid, "--out", cls.folder / name, "--cache",
+                        cls.folder / "cache", "--set",
                         "sheet.resolution_mm=5", "--set", "print.dpi=72", "--set", "pattern.width_mm=150", *words)
 
     @classmethod

@@ -42,7 +42,7 @@ class ScriptedServer(http.server.ThreadingHTTPServer):
         self.scan_sha = digest(SCAN)
         self.kind = "print"
         self.inputs = {}          # besides scan and pattern
-        self.keep = "a" * 64
+        self.cache = "a" * 64
         self.cancel = False       # asked with the next heartbeat
         self.lost = False         # the lease is someone else's
         self.away = 0             # so many requests under a lease get 503
@@ -90,7 +90,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             s.jobs -= 1
             return self.reply(200, {
                 "job": "j1", "kind": s.kind, "lease": "abc", "attempt": 1, "lease_seconds": s.lease_seconds, "heartbeat_seconds": 1,
-                "request": REQUEST, "keep": s.keep,
+                "request": REQUEST, "cache": s.cache,
                 "settings": {"print": {"dpi": 100}},
                 "inputs": {"scan": {"extension": "stl", "bytes": len(SCAN), "sha256": s.scan_sha},
                            "pattern": {"extension": "svg", "bytes": len(PATTERN), "sha256": digest(PATTERN)}, **s.inputs}})
@@ -128,13 +128,13 @@ class Worker(Case):
         self.addCleanup(self.server.shutdown)
         self.addCleanup(lambda: self.assertEqual(self.server.faults, []))
 
-    def start(self, pipeline, keep="--no-keep"):
+    def start(self, pipeline, cache="--no-cache"):
         """Starts the worker with this shell script in the place of vacuform. $OUT is the folder for artifacts."""
         program = self.here / "vacuform"
         program.write_text('#!/bin/sh\nOUT=out; mkdir -p $OUT; echo $$ > %s/pid\n' % self.here + pipeline)
         program.chmod(0o755)
         worker = Program([self.here / "vacuform-worker", "--server", self.server.url, "--token-file", self.token,
-                          "--sandbox=off", "--work", self.work, "--poll-seconds", "0.05", "--name", "w1", *keep.split()], self.here / "log")
+                          "--sandbox=off", "--work", self.work, "--poll-seconds", "0.05", "--name", "w1", *cache.split()], self.here / "log")
         self.addCleanup(worker.end)
         return worker
 
@@ -204,25 +204,25 @@ class Worker(Case):
                          "the fault in the log")[0]
         self.assertEqual((fault["signal"], fault["stderr"], fault["job"]), (signal.SIGSEGV, "oh dear\n", "j1"))
 
-    def test_child_gets_what_was_kept_of_its_own_scan_and_its_stages_are_told(self):
-        other = self.here / "kept" / ("0" * 64)
+    def test_child_gets_the_cache_of_its_own_scan_and_its_stages_are_told(self):
+        other = self.here / "cache" / ("0" * 64)
         other.mkdir(parents=True)
-        (self.here / "kept").chmod(0o700)
+        (self.here / "cache").chmod(0o700)
         self.start("""echo "$@" > %s/words
-            echo '{"stage":"scan","progress":1,"kept":true}'; echo '{"stage":"forming","progress":0.5}'
+            echo '{"stage":"scan","progress":1,"cached":true}'; echo '{"stage":"forming","progress":0.5}'
             echo '{"stage":"forming","progress":1}'
             echo '{"warnings":[{"code":"thin","what":"x","severity":"serious"},{"code":"A B"}]}' > $OUT/report.json""" % self.here,
-                   keep=f"--keep {self.here / 'kept'}")
+                   cache=f"--cache {self.here / 'cache'}")
         self.the_call("/complete")
-        own = self.here / "kept" / ("a" * 64)  # as the lease says: the scan's own digest is other owners' too
-        self.assertIn(f"--keep {own}", (self.here / "words").read_text())
+        own = self.here / "cache" / ("a" * 64)  # as the lease says: the scan's own digest is other owners' too
+        self.assertIn(f"--cache {own}", (self.here / "words").read_text())
         self.assertEqual(own.stat().st_mode & 0o777, 0o700)
         lines = []
         for call in self.server.calls("/log"):
             said = json.loads(call[2])
             self.assertEqual(said["first"], len(lines))
             lines += said["lines"]
-        self.assertEqual(lines, ["stage scan kept", "stage forming", "warning thin"])
+        self.assertEqual(lines, ["stage scan cached", "stage forming", "warning thin"])
 
     def test_what_is_not_a_plain_file_is_not_handed_in(self):
         for number, left in enumerate(("ln -s /etc/passwd $OUT/mold.stl", "mkfifo $OUT/mold.stl", "ln $OUT/print.png $OUT/mold.stl",
@@ -327,7 +327,7 @@ class Worker(Case):
 
     def test_sigterm_lets_the_job_end_within_the_drain_and_leases_no_other(self):
         self.server.jobs = 2
-        worker = self.start("printf print > $OUT/print.png; until [ -e %s/go ]; do sleep 0.02; done" % self.here, keep="--no-keep --drain 60")
+        worker = self.start("printf print > $OUT/print.png; until [ -e %s/go ]; do sleep 0.02; done" % self.here, cache="--no-cache --drain 60")
         child = self.child()
         worker.process.send_signal(signal.SIGTERM)
         self.the_call("/heartbeat")
@@ -339,7 +339,7 @@ class Worker(Case):
         self.assert_nothing_left()
 
     def test_sigterm_releases_the_job_at_the_end_of_the_drain(self):
-        worker = self.start("sleep 300", keep="--no-keep --drain 0.5")
+        worker = self.start("sleep 300", cache="--no-cache --drain 0.5")
         child = self.child()
         told = time.monotonic()
         worker.process.send_signal(signal.SIGTERM)
@@ -350,14 +350,14 @@ class Worker(Case):
 
     def test_worker_exits_after_so_many_jobs(self):
         self.server.jobs = 5
-        worker = self.start("exit 0", keep="--no-keep --max-jobs 2")
+        worker = self.start("exit 0", cache="--no-cache --max-jobs 2")
         self.assertEqual(worker.wait(), 0)
         self.assertEqual([len(self.server.calls(tail)) for tail in ("/leases", "/complete")], [2, 2])
         self.assertIn('"why":"max-jobs"', worker.says().replace(" ", ""))
 
     def test_worker_exits_when_there_is_no_job_for_long(self):
         started = time.monotonic()
-        worker = self.start("exit 0", keep="--no-keep --idle-exit 0.5")
+        worker = self.start("exit 0", cache="--no-cache --idle-exit 0.5")
         self.assertEqual(worker.wait(), 0)
         self.assertGreater(time.monotonic() - started, 0.5)
         self.assertEqual(len(self.server.calls("/complete")), 1)

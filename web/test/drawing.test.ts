@@ -9,12 +9,25 @@ const rounded = (text: string): (number | null)[] => {
 
 test('reads the physical size of an SVG as the service does', () => {
   assert.deepEqual(rounded('<svg width="186.4mm" height="93.2mm" viewBox="0 0 2 1"/>'), [186.4, 93.2, 2]);
-  assert.deepEqual(rounded("<?xml version='1.0'?><!-- <svg width='1mm'> --><!DOCTYPE svg [<!ENTITY a 'b'>]><svg width='2in' height='96'>"), [50.8, 25.4, 2]);
+  assert.deepEqual(rounded("<?xml version='1.0'?><!-- <svg width='1mm'> --><!DOCTYPE svg [<!ENTITY a 'b'>]><svg width='2in' height='72PT'>"), [50.8, 25.4, 2]);
   assert.deepEqual(rounded('<s:svg xmlns:s="x" title="a > b" width="4cm" viewBox="0,0 20 10">'), [40, 20, 2]);
   assert.deepEqual(rounded('<svg viewBox="-1 -1 3 2" width="100%">'), [null, null, 1.5]);
   assert.deepEqual(rounded('<svg stroke-width="3" height="72pt" viewBox="0 0 1 1">'), [25.4, 25.4, 1]);
   assert.deepEqual(rounded('<html><p>no drawing</p>'), [null, null, null]);
   assert.deepEqual(rounded('<svg width="-3mm" height="0"/>'), [null, null, null]);
+});
+
+test('knows the pixels of a program, and asks otherwise', () => {
+  const illustrator = '<!-- Generator: Adobe Illustrator 24.0.1, SVG Export Plug-In -->';
+  assert.deepEqual(rounded(`${illustrator}<svg width="144px" height="36px">`), [50.8, 12.7, 4]);
+  assert.deepEqual(rounded(`${illustrator}<svg viewBox="0 0 144 36">`), [50.8, 12.7, 4]);
+  assert.deepEqual(rounded('<svg width="180" height="45" inkscape:version="0.91 r13725">'), [50.8, 12.7, 4]);
+  assert.deepEqual(rounded('<svg width="192" height="48" inkscape:version="0.92.3 (2405546)">'), [50.8, 12.7, 4]);
+  assert.equal(svgSize('<svg width="192" height="48" inkscape:version="1.2">').program, 'Inkscape 1.2');
+  assert.deepEqual(rounded('<svg width="120" height="30">'), [null, null, 4]);
+  assert.deepEqual(svgSize('<svg width="120px" height="30px">').px?.map(Math.round), [120, 30]);
+  assert.deepEqual(rounded('<svg width="120mm" height="30px" viewBox="0 0 6 2">'), [null, null, 3]);
+  assert.deepEqual(rounded(`${illustrator}<svg width="144" height="36" inkscape:version="1.2">`), [null, null, 4]);
 });
 
 test('gives an SVG without a size one for the screen', () => {
@@ -33,8 +46,8 @@ function png(across: number, down: number, perMetre: number): ArrayBuffer {
 
 test('reads the physical size of a PNG from its pixels in a metre', () => {
   const size = pictureSize(png(1000, 500, 10_000));
-  assert.deepEqual(size, {width: 100, height: 50, aspect: 2});
-  assert.deepEqual(pictureSize(png(1000, 500, 0)), {width: null, height: null, aspect: 2});
+  assert.deepEqual(size, {width: 100, height: 50, aspect: 2, px: [1000, 500]});
+  assert.deepEqual(pictureSize(png(1000, 500, 0)), {width: null, height: null, aspect: 2, px: [1000, 500]});
 });
 
 test('reads the physical size of a JPEG from its density', () => {

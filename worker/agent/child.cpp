@@ -238,8 +238,8 @@ ChildLine parse_child_line(std::string_view line) {
   if (!stage || progress == object.end() || !progress->is_number()) return {};
   const double fraction = progress->get<double>();
   if (!(fraction >= 0 && fraction <= 1)) return {};
-  const auto kept = object.find("kept");
-  return ChildProgress{*stage, fraction, kept != object.end() && *kept == nlohmann::json(true)};
+  const auto cached = object.find("cached");
+  return ChildProgress{*stage, fraction, cached != object.end() && *cached == nlohmann::json(true)};
 }
 
 Result<ChildEnd> run_child(const ChildCommand& command,
@@ -256,7 +256,7 @@ Result<ChildEnd> run_child(const ChildCommand& command,
   envp.push_back(nullptr);
 
   VACUFORM_TRY(confinement,
-               Confinement::prepare(command.sandbox, command.program_file, command.home, command.kept));
+               Confinement::prepare(command.sandbox, command.program_file, command.home, command.cache));
   std::optional<JobGroup> group;
   if (command.groups) {
     VACUFORM_TRY(made, command.groups->make(limits.address_space, limits.tasks));

@@ -40,12 +40,12 @@ struct ChildLimits {
 // One line of the child's standard output (`vacuform run --progress json`).
 struct ChildProgress {
   Stage stage;
-  double fraction;    // of the stage, in [0, 1]
-  bool kept = false;  // the stage was not run: its result was already available
+  double fraction;      // of the stage, in [0, 1]
+  bool cached = false;  // the stage was not run: its result was already available
 };
 using ChildLine = std::variant<std::monostate, ChildProgress, Error>;
 
-// {"stage":"forming","progress":0.4}, with "kept":true if the stage was skipped, or
+// {"stage":"forming","progress":0.4}, with "cached":true if the stage was skipped, or
 // {"problem":{"code":"does-not-fit","what":...,"where":...,"fix":...,"proposals":[...]}}; any other line returns nothing.
 // Texts are cut to 2000 bytes; proposals outside of proposal_limits are left out.
 ChildLine parse_child_line(std::string_view line);
@@ -71,7 +71,7 @@ struct ChildCommand {
   std::filesystem::path home;           // the folder in which it runs
   ChildLimits limits = {};
   Sandbox sandbox = {};
-  std::filesystem::path kept = {};    // a second folder that it may use; may be empty
+  std::filesystem::path cache = {};   // a second folder that it may use; may be empty
   const JobGroups* groups = nullptr;  // in which it gets a control group of its own; nullptr: none
 };
 

@@ -48,13 +48,13 @@ void WorkerConfiguration::add_to(ConfigurationSources& sources) {
       ->type_name("SECONDS")
       ->check(CLI::Range(0.0, 86400.0));
   sources
-      .add("keep", &keep,
+      .add("cache", &cache,
            "Folder for what scan and forming made, so that another job of the same scan skips them; it holds "
-           "heads (default: kept in the folder of --work)")
+           "heads (default: cache in the folder of --work)")
       ->type_name("DIR");
-  sources.add("keep_days", &keep_days, "Days after the last use for which a scan's stages are kept")
+  sources.add("cache_days", &cache_days, "Days after the last use for which the stages of a scan are cached")
       ->check(CLI::Range(1, 3650));
-  sources.add("no_keep", &no_keep, "Keep nothing of a job");
+  sources.add("no_cache", &no_cache, "Cache nothing of a job");
   sources
       .add("sandbox", &sandbox,
            "required: stop unless the kernel gives Landlock and seccomp; best-effort: run jobs with the "

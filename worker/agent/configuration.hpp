@@ -16,12 +16,12 @@ struct WorkerConfiguration {
   std::string name;                  // empty until add_to(): the machine's and the process's
   std::filesystem::path work;        // empty until add_to(): a folder of this user's own for temporary files
   double poll_seconds = 1;
-  double drain = 0;            // seconds for the running job after a signal
-  int max_jobs = 0;            // 0: no limit
-  double idle_exit = 0;        // seconds; 0: never
-  std::filesystem::path keep;  // empty: kept/ in `work`
-  int keep_days = 7;
-  bool no_keep = false;
+  double drain = 0;             // seconds for the running job after a signal
+  int max_jobs = 0;             // 0: no limit
+  double idle_exit = 0;         // seconds; 0: never
+  std::filesystem::path cache;  // empty: cache/ in `work`
+  int cache_days = 7;
+  bool no_cache = false;
   std::string sandbox = "required";  // or "best-effort", "off"
   std::string user;                  // whom to become; empty: who it is
 

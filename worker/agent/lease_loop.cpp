@@ -39,7 +39,7 @@ bool passing(const Error& error) {
 
 milliseconds longer(milliseconds pause) { return std::min(2 * pause, milliseconds(10000)); }
 
-constexpr std::chrono::hours tidy_every{1};  // of the stages kept, in addition to after every job
+constexpr std::chrono::hours tidy_every{1};  // of the caches, in addition to after every job
 
 constexpr const char* out = "out";  // the folder of artifacts in the folder of the job
 constexpr TreeLimits most_left;     // in a job's folder
@@ -151,17 +151,17 @@ class LeasedJob {
     }
     if (lease_.kind == JobKind::print && !lease_.reference.empty())
       command.push_back("--reference=" + lease_.reference);
-    const fs::path kept = kept_folder();
+    const fs::path cache = cache_folder();
     // The working directory of the child is a folder in ours.
-    if (!kept.empty())
-      command.insert(command.end(), {"--keep", (kept.is_absolute() ? kept : ".." / kept).string()});
+    if (!cache.empty())
+      command.insert(command.end(), {"--cache", (cache.is_absolute() ? cache : ".." / cache).string()});
     oom_kills_before_ = oom_kills();
     const auto end = run_child(
-        {loop_.program_file.number(), command, folder_, loop_.limits, loop_.sandbox, kept,
+        {loop_.program_file.number(), command, folder_, loop_.limits, loop_.sandbox, cache,
          loop_.groups ? &*loop_.groups : nullptr},
         [this](const ChildProgress& at) { heard(at); },
         [this] { return !going() || has_too_much() || fills_the_disk(); });
-    if (loop_.kept) loop_.kept->make_room();
+    if (loop_.caches) loop_.caches->make_room();
     if (!end) {
       retry_ = Retry::after_fault;
       return tl::make_unexpected(end.error());
@@ -179,7 +179,7 @@ class LeasedJob {
     }
     if (const auto judged = judge(*end); !judged) {
       const Retry retry = retry_;
-      // What explains a refusal is welcome, but the refusal counts without it.
+      // Artifacts that explain a refusal are sent if they can be; the refusal counts without them.
       if (retry == Retry::never && end->how == ChildEnd::How::exited)
         (void)upload([this](const ArtifactKind& kind) { return explains_failure(lease_.kind, kind); });
       retry_ = retry;
@@ -240,16 +240,16 @@ class LeasedJob {
     return full_;
   }
 
-  // The folder of kept stages for this owner and scan; empty: no folder. Without one the job still runs.
-  fs::path kept_folder() const {
-    if (!loop_.kept || lease_.keep.empty()) return {};
-    return loop_.kept->of(lease_.keep).value_or(fs::path());
+  // The folder of cached stages for this owner and scan; empty: no folder. Without one the job still runs.
+  fs::path cache_folder() const {
+    if (!loop_.caches || lease_.cache.empty()) return {};
+    return loop_.caches->of(lease_.cache).value_or(fs::path());
   }
 
   void heard(const ChildProgress& at) {
     heartbeat_.at(at.stage, at.fraction);
-    if (at.kept) log_.say("stage " + std::string(name(at.stage)) + " kept");
-    if (!at.kept && at.stage != stage_) log_.say("stage " + std::string(name(at.stage)));
+    if (at.cached) log_.say("stage " + std::string(name(at.stage)) + " cached");
+    if (!at.cached && at.stage != stage_) log_.say("stage " + std::string(name(at.stage)));
     stage_ = at.stage;
   }
 
@@ -282,7 +282,7 @@ class LeasedJob {
     if (end.how == ChildEnd::How::signalled && end.number == SIGKILL)
       return fail(Code::out_of_time, "the job's process was killed from outside", "",
                   "try again; an administrator finds in the system's log what killed it");
-    return fail(Code::internal, "the pipeline broke down on this scan and pattern", "",
+    return fail(Code::internal, "the pipeline crashed on this scan and pattern", "",
                 "try other settings; if it happens again, report it with the job's id");
   }
 
@@ -318,7 +318,7 @@ Result<void> LeaseLoop::run(const StopSignal& stop) const {
   auto tidied = std::chrono::steady_clock::now() - tidy_every;
   while (!stop.within(milliseconds(0))) {
     if (const auto now = std::chrono::steady_clock::now(); now - tidied >= tidy_every) {
-      if (kept) kept->make_room();
+      if (caches) caches->make_room();
       (void)sweep(work);  // what could not be deleted earlier
       tidied = now;
     }

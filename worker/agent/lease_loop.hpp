@@ -10,7 +10,7 @@
 #include "api/client/client.hpp"
 #include "worker/agent/child.hpp"
 #include "worker/agent/job_group.hpp"
-#include "worker/agent/kept_scans.hpp"
+#include "worker/agent/scan_caches.hpp"
 #include "worker/agent/stop_signal.hpp"
 
 namespace vacuform {
@@ -25,8 +25,8 @@ struct LeaseLoop {
   std::optional<std::chrono::milliseconds> idle_exit;  // and when the server has had no job for so long
   ChildLimits limits;
   Sandbox sandbox;
-  std::optional<JobGroups> groups;  // control groups for jobs; absent where the system gives none
-  std::optional<KeptScans> kept;    // where jobs of the same scan find its formed sheet; may be absent
+  std::optional<JobGroups> groups;   // control groups for jobs; absent where the system gives none
+  std::optional<ScanCaches> caches;  // where jobs of the same scan find its formed sheet; may be absent
 
   // Runs until `stop`, most_jobs or idle_exit. After `stop` it leases no job; the running one goes on until the drain of
   // `stop` ends. Then its child is ended and it is released, which counts no attempt. A server that is away is retried,

@@ -47,7 +47,7 @@ Result<void> work(const WorkerConfiguration& configuration) {
   loop.limits.address_space = 0;  // their shadow memory takes terabytes of addresses
   sandbox = "off";                // and their checks look into /proc and at other threads
 #endif
-  const auto keep = configuration.keep.empty() ? "kept" : std::filesystem::absolute(configuration.keep);
+  const auto cache = configuration.cache.empty() ? "cache" : std::filesystem::absolute(configuration.cache);
   VACUFORM_CHECK(settle(std::filesystem::absolute(configuration.work), configuration.user));
   // The token is in this process's memory: no other process of this user may look into it.
   ::prctl(PR_SET_DUMPABLE, 0, 0, 0, 0);
@@ -56,11 +56,12 @@ Result<void> work(const WorkerConfiguration& configuration) {
   VACUFORM_TRY(chosen, choose_sandbox(loop, sandbox));
   loop.sandbox = chosen;
   loop.groups = JobGroups::delegated();
-  // Without Landlock a job could read what others kept.
-  if (!configuration.no_keep && (chosen.landlock > 0 || sandbox == "off")) {
-    constexpr std::uint64_t most_kept = 2'000'000'000;  // bytes
-    VACUFORM_TRY(kept, KeptScans::open(keep, most_kept, std::chrono::hours(24 * configuration.keep_days)));
-    loop.kept = std::move(kept);
+  // Without Landlock a job could read the caches of others.
+  if (!configuration.no_cache && (chosen.landlock > 0 || sandbox == "off")) {
+    constexpr std::uint64_t most_cached = 2'000'000'000;  // bytes
+    VACUFORM_TRY(caches,
+                 ScanCaches::open(cache, most_cached, std::chrono::hours(24 * configuration.cache_days)));
+    loop.caches = std::move(caches);
   }
   std::signal(SIGPIPE, SIG_IGN);
   const StopSignal stop(std::chrono::milliseconds(std::lround(1000 * configuration.drain)));

@@ -75,13 +75,13 @@ bool allow(int ruleset, const char* path, std::uint64_t rights) {
   return added;
 }
 
-int make_ruleset(int abi, int program, const std::string& home, const std::string& kept) {
+int make_ruleset(int abi, int program, const std::string& home, const std::string& cache) {
   const auto [size, all] = all_rights(abi);
   const int ruleset = static_cast<int>(::syscall(create_ruleset, &all, size, 0));
   if (ruleset < 0) return -1;
   constexpr std::uint64_t look = read_file | read_folder;
   const std::uint64_t own = all.files & ~(execute | make_character_device | make_block_device | make_socket);
-  bool made = allow(ruleset, home.c_str(), own) && (kept.empty() || allow(ruleset, kept.c_str(), own)) &&
+  bool made = allow(ruleset, home.c_str(), own) && (cache.empty() || allow(ruleset, cache.c_str(), own)) &&
               allow(ruleset, program, read_file | execute) &&
               allow(ruleset, "/dev/null", read_file | write_file);
   for (const char* loader : {"/lib", "/lib64", "/usr/lib", "/usr/lib64"})
@@ -230,11 +230,11 @@ Confinement::~Confinement() {
 
 Result<Confinement> Confinement::prepare(const Sandbox& sandbox, int program,
                                          const std::filesystem::path& home,
-                                         const std::filesystem::path& kept) {
+                                         const std::filesystem::path& cache) {
   Confinement made;
   made.sandbox_ = sandbox;
   made.program_ = program;
-  if (sandbox.landlock > 0) made.ruleset_ = make_ruleset(sandbox.landlock, program, home, kept);
+  if (sandbox.landlock > 0) made.ruleset_ = make_ruleset(sandbox.landlock, program, home, cache);
   if (sandbox.seccomp) made.filter_ = make_filter();
   if ((sandbox.landlock > 0 && made.ruleset_ < 0) || (sandbox.seccomp && made.filter_.empty()))
     return fail(Code::internal, "no sandbox could be made for the job", "", "try again later");

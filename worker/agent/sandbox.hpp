@@ -39,9 +39,9 @@ struct Sandbox {
 class Confinement {
  public:
   // `program` is a descriptor of the one program that may be executed, open as long as this object exists. `home` and,
-  // if not empty, `kept` are the folders for it. Errors: internal.
+  // if not empty, `cache` are the folders for it. Errors: internal.
   static Result<Confinement> prepare(const Sandbox& sandbox, int program, const std::filesystem::path& home,
-                                     const std::filesystem::path& kept = {});
+                                     const std::filesystem::path& cache = {});
   Confinement(Confinement&& other) noexcept;
   Confinement(const Confinement&) = delete;
   Confinement& operator=(const Confinement&) = delete;

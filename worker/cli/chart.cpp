@@ -118,7 +118,7 @@ Result<void> make_chart(const ChartOptions& o, const Context& context, ProgressB
   std::vector<InkPatch> patches = patches_of(*mold);
   VACUFORM_TRY(
       files,
-      print_colours(
+      with_print(
           inputs, [&](const Finished& job) { return chart_files(job, *mold, patches, context); }, context));
   VACUFORM_CHECK(write_artifacts(o.out, files));
   bar.clear();

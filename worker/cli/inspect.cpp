@@ -18,7 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct InspectOptions {
-  std::string scan, out, keep;
+  std::string scan, out, cache;
   bool json = false;
   ProgressAs progress = ProgressAs::bar;
   SettingsOptions settings;
@@ -46,10 +46,14 @@ void print_text(const ScanInspection& inspection) {
   line("unit", f.size_given ? "none, scaled to the size given"
                             : std::string(name(f.unit)) + (f.unit_guessed ? " (guessed)" : " (given)"));
   line("up", std::string(name(f.up)) + (f.up_guessed ? " (guessed)" : " (given)"));
+  const std::string space = "SPACE=" + std::string(name(f.space));
   line("front", std::string(name(f.front)) + " of the upright scan" +
-                    (f.front_assumed       ? " (assumed)"
-                     : f.front_from_format ? " (+z of the file, as the format defines)"
-                                           : " (given)"));
+                    (f.front_assumed                    ? " (assumed)"
+                     : !f.front_from_format             ? " (given)"
+                     : f.space == PatientSpace::unknown ? " (+z of the file, as the format defines)"
+                                                        : " (" + space + " of the file)"));
+  if (f.left_from_file)
+    line("left", std::string(name(*f.left_from_file)) + " of the upright scan (" + space + " of the file)");
   if (f.left_side != LeftSide::unknown)
     line("left", std::string(f.left_side == LeftSide::minus_x ? "-x" : "+x") +
                      " of the mold (confirmed by a person)");
@@ -89,7 +93,7 @@ Result<void> inspect(const InspectOptions& o, const Context& context, ProgressBa
   VACUFORM_TRY(settings, settings_from_json(object));
   VACUFORM_TRY(scan, read_input(o.scan));
   Inputs inputs{*std::move(scan), settings};
-  inputs.kept = kept_stages(o.keep, o.progress);
+  inputs.cache = stage_cache(o.cache, o.progress);
   VACUFORM_TRY(inspection, inspect_scan(inputs, context));
   if (!o.out.empty()) VACUFORM_CHECK(write_inspection(inputs, inspection, o.out, context));
   bar.clear();
@@ -119,7 +123,8 @@ void add_inspect(CLI::App& app, int& exit_code) {
       ->add_option("--out", options->out,
                    "Folder for findings.json, preview-findings.png and mold.stl; made when absent")
       ->type_name("DIR");
-  command->add_option("--keep", options->keep, "Folder for the mold, as for vacuform run")->type_name("DIR");
+  command->add_option("--cache", options->cache, "Folder for the mold, as for vacuform run")
+      ->type_name("DIR");
   add_progress_option(*command, options->progress)->excludes(json);
   command->callback([options, &exit_code] {
     exit_code = run_interruptible(

@@ -65,10 +65,10 @@ int run_interruptible(const std::function<Result<void>(const Context&, ProgressB
   return refuse(error);
 }
 
-KeptStages kept_stages(const std::string& folder, ProgressAs progress) {
+StageCache stage_cache(const std::string& folder, ProgressAs progress) {
   if (folder.empty()) return {};
-  return KeptStages(folder, [progress](Stage stage) {
-    if (progress == ProgressAs::json) say({{"stage", name(stage)}, {"progress", 1}, {"kept", true}});
+  return StageCache(folder, [progress](Stage stage) {
+    if (progress == ProgressAs::json) say({{"stage", name(stage)}, {"progress", 1}, {"cached", true}});
   });
 }
 

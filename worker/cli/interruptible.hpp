@@ -6,7 +6,7 @@
 #include <string>
 
 #include "worker/cli/progress_bar.hpp"
-#include "worker/pipeline/kept_stages.hpp"
+#include "worker/pipeline/stage_cache.hpp"
 #include "worker/stage/context.hpp"
 
 namespace vacuform::cli {
@@ -22,6 +22,6 @@ int run_interruptible(const std::function<Result<void>(const Context&, ProgressB
 
 // Stages that an earlier run left in a folder; no stages if its name is empty. Each stage found is reported as
 // progress.
-KeptStages kept_stages(const std::string& folder, ProgressAs progress);
+StageCache stage_cache(const std::string& folder, ProgressAs progress);
 
 }  // namespace vacuform::cli

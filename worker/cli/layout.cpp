@@ -15,7 +15,7 @@ namespace vacuform::cli {
 namespace {
 
 struct LayoutOptions {
-  std::string scan, temperature, keep, out;
+  std::string scan, temperature, cache, out;
   ProgressAs progress = ProgressAs::bar;
   SettingsOptions settings;
 };
@@ -44,7 +44,7 @@ Result<void> lay_out(const LayoutOptions& o, const Context& context, ProgressBar
   VACUFORM_TRY(temperature, read_input(o.temperature));
   inputs.temperature = std::move(temperature);
   use_inputs([&](std::string_view name) { return has_input(inputs, name); }, inputs.settings);
-  inputs.kept = kept_stages(o.keep, o.progress);
+  inputs.cache = stage_cache(o.cache, o.progress);
   VACUFORM_TRY(layout, lay_out_scan(inputs, context));
   VACUFORM_CHECK(write_layout(layout, o.out));
   bar.clear();
@@ -68,7 +68,7 @@ CLI::Option* add_short_form(CLI::App& command, LayoutOptions& options, const std
 void add_layout(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<LayoutOptions>();
   CLI::App* command = app.add_subcommand(
-      "layout", "Make a pattern of coils for a scan: print it with --set coils.decouple=true");
+      "layout", "Make a pattern of coils for a scan, which a print puts where the layout has them");
   command
       ->add_option("--scan", options->scan,
                    "STL, OBJ, PLY, OFF, GLB, or a zip with an OBJ or PLY and its images")
@@ -76,8 +76,9 @@ void add_layout(CLI::App& app, int& exit_code) {
       ->type_name("FILE");
   options->settings.add_to(*command);
   add_short_form(*command, *options, "count", "Number of coils: layout.count")->check(CLI::Range(4, 64));
-  add_short_form(*command, *options, "diameter_mm",
-                 "Of the coils, or fitted: as large as covers the region: layout.diameter_mm")
+  add_short_form(
+      *command, *options, "diameter_mm",
+      "Of the coils, or fitted: the largest that fit on the region and couple little: layout.diameter_mm")
       ->type_name("D|fitted");
   add_short_form(*command, *options, "region",
                  "The whole dome, or its front (towards +y of the mold; scan.yaw_deg turns the head) or back "
@@ -85,7 +86,7 @@ void add_layout(CLI::App& app, int& exit_code) {
       ->check(CLI::IsMember({"dome", "front", "back"}));
   command->add_option("--temperature", options->temperature, "Measured temperature, as for vacuform run")
       ->type_name("FILE");
-  command->add_option("--keep", options->keep, "Folder for the mold and the sheet, as for vacuform run")
+  command->add_option("--cache", options->cache, "Folder for the mold and the sheet, as for vacuform run")
       ->type_name("DIR");
   command->add_option("--out", options->out, "Folder for pattern.svg and layout.json; made when absent")
       ->required()

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <iterator>
 #include <map>
-#include <optional>
+#include <set>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -25,16 +27,68 @@ std::string_view as_text(const FileBytes& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// What follows the first line that begins with `begin`; nothing without one.
-std::optional<std::string> line_after(std::string_view text, std::string_view begin) {
+// What follows the lines that begin with `begin`, up to the end of a head.
+std::vector<std::string> lines_after(std::string_view text, std::string_view begin) {
+  std::vector<std::string> found;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find_first_of("\r\n", at), text.size());
     const std::string_view line = text.substr(at, end - at);
-    if (line.starts_with(begin)) return std::string(trimmed(line.substr(begin.size())));
-    if (line == "end_header") return std::nullopt;
+    if (line.starts_with(begin)) found.emplace_back(trimmed(line.substr(begin.size())));
+    if (line == "end_header") break;
     at = end + 1;
   }
-  return std::nullopt;
+  return found;
+}
+
+// The libraries that an OBJ names, as one. A name may contain blanks, and a line may contain several names. Errors:
+// unusable_scan (one is missing), those of read_file().
+Result<FileBytes> libraries(const std::vector<std::string>& lines, const fs::path& folder,
+                            const std::string& where) {
+  FileBytes all;
+  std::set<fs::path> read;
+  const auto there = [&](std::string_view name) {
+    std::error_code error;
+    std::string plain(name);
+    std::replace(plain.begin(), plain.end(), '\\', '/');
+    const fs::path file_name = fs::path(plain).filename();
+    if (!file_name.empty() && fs::is_regular_file(folder / file_name, error)) return folder / file_name;
+    // Windows does not tell cases apart.
+    for (const auto& entry : fs::directory_iterator(folder, error))
+      if (lower(entry.path().filename().string()) == lower(file_name.string()) &&
+          entry.is_regular_file(error))
+        return entry.path();
+    return fs::path();
+  };
+  for (const std::string& line : lines) {
+    std::vector<std::string> names{line};
+    if (there(line).empty()) {
+      std::istringstream words(line);
+      names.assign(std::istream_iterator<std::string>(words), {});
+      if (std::ranges::none_of(names, [&](const std::string& name) { return !there(name).empty(); }))
+        names = {line};
+    }
+    for (const std::string& name : names) {
+      const fs::path path = there(name);
+      if (path.empty())
+        return fail(Code::unusable_scan,
+                    "the OBJ names the material library " + name.substr(0, 100) + ", which is not beside it",
+                    where, "put it into the folder of the OBJ, or correct the line mtllib");
+      if (!read.insert(path).second) continue;
+      VACUFORM_TRY(bytes, read_file(path));
+      all.insert(all.end(), bytes.begin(), bytes.end());
+      all.push_back('\n');
+    }
+  }
+  return all;
+}
+
+// Whether numbers of a colour follow the place of the first vertex.
+bool has_vertex_colours(std::string_view obj) {
+  const std::size_t at = obj.starts_with("v ") ? 0 : obj.find("\nv ");
+  if (at == std::string_view::npos) return false;
+  std::string_view line = obj.substr(at + 1, 400);
+  std::istringstream words{std::string(line.substr(0, line.find_first_of("\r\n")))};
+  return std::distance(std::istream_iterator<std::string>(words), {}) >= 6;
 }
 
 bool is_image(const fs::path& file) {
@@ -98,17 +152,17 @@ Result<void> add_files_beside(std::vector<std::uint8_t>& bytes, std::string& fil
   std::map<std::string, FileBytes> files;
   std::string names;  // the text that names the images
   if (extension == ".obj") {
-    const auto library = line_after(as_text(bytes), "mtllib ");
-    std::error_code error;
-    if (!library || library->empty() || !fs::is_regular_file(folder / fs::path(*library).filename(), error))
-      return {};
-    VACUFORM_TRY(mtl, read_file(folder / fs::path(*library).filename()));
+    const auto lines = lines_after(as_text(bytes), "mtllib ");
+    if (lines.empty()) return {};
+    auto found = libraries(lines, folder, file);
+    if (!found && found.error().code == Code::unusable_scan && has_vertex_colours(as_text(bytes))) return {};
+    VACUFORM_TRY(mtl, std::move(found));
     names = as_text(mtl);
     files["model.mtl"] = std::move(mtl);
   } else if (extension == ".ply") {
-    const auto texture = line_after(as_text(bytes), "comment TextureFile ");
-    if (!texture) return {};
-    names = *texture;
+    const auto textures = lines_after(as_text(bytes), "comment TextureFile ");
+    if (textures.empty()) return {};
+    for (const std::string& texture : textures) names += texture + "\n";
   } else {
     return {};
   }

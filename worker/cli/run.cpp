@@ -6,7 +6,7 @@
 
 #include "api/job_inputs.hpp"
 #include "api/job_text.hpp"
-#include "api/redaction/names.hpp"
+#include "api/redaction/redaction.hpp"
 #include "worker/cli/commands.hpp"
 #include "worker/cli/input_files.hpp"
 #include "worker/cli/interruptible.hpp"
@@ -21,7 +21,7 @@ namespace vacuform::cli {
 namespace {
 
 struct RunOptions {
-  std::string scan, pattern, temperature, weights, icc, keep, out, reference;
+  std::string scan, pattern, temperature, weights, icc, cache, out, reference;
   ProgressAs progress = ProgressAs::bar;
   bool sensitivity = false;
   OutcomeOptions outcome;
@@ -35,7 +35,7 @@ Result<void> run(const RunOptions& o, const Context& context) {
   Inputs inputs{{std::move(scan), o.scan}, settings};
   if (settings.pattern.source != PatternSource::file)
     VACUFORM_CHECK(add_files_beside(inputs.scan.bytes, inputs.scan.name));
-  VACUFORM_CHECK(blank_names(inputs.scan.bytes, inputs.scan.name));
+  VACUFORM_CHECK(redact(inputs.scan.bytes, inputs.scan.name));
   VACUFORM_TRY(pattern, read_input(o.pattern));
   inputs.pattern = std::move(pattern);
   VACUFORM_TRY(temperature, read_input(o.temperature));
@@ -48,7 +48,7 @@ Result<void> run(const RunOptions& o, const Context& context) {
   VACUFORM_TRY(reference, clean_reference(o.reference));
   inputs.reference = std::move(reference);
   inputs.sensitivity = o.sensitivity;
-  inputs.kept = kept_stages(o.keep, o.progress);
+  inputs.cache = stage_cache(o.cache, o.progress);
   return run_pipeline(inputs, o.out, context);
 }
 
@@ -110,7 +110,7 @@ void add_run(CLI::App& app, int& exit_code) {
           "sRGB")
       ->type_name("FILE");
   command
-      ->add_option("--keep", options->keep,
+      ->add_option("--cache", options->cache,
                    "Folder for what scan and forming made: another pattern, or the same one moved, then "
                    "prints without "
                    "forming the head again. It holds heads; delete it when they are done")

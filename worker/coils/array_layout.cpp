@@ -5,12 +5,19 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <set>
+#include <utility>
 
 #include "api/base/decimal.hpp"
+#include "worker/coils/array_relaxation.hpp"
+#include "worker/coils/coupled_neighbours.hpp"
 #include "worker/coils/decoupling.hpp"
 #include "worker/coils/metric_mds.hpp"
+#include "worker/pattern/curve.hpp"
+#include "worker/pattern/sorting.hpp"
 #include "worker/stage/index.hpp"
-#include "worker/stage/portion.hpp"
+#include "worker/stage/parallel.hpp"
+#include "worker/stage/sub_progress.hpp"
 #include "worker/surface/voronoi.hpp"
 
 namespace vacuform {
@@ -39,18 +46,13 @@ struct ChartVertices {
 ChartVertices chart_vertices(const ChartedSurface& charted) {
   const InkedSurface& surface = charted.surface();
   ChartVertices out{std::vector<double>(surface.inked().size(), 0), {}};
-  std::vector<Vector3d> border;
   for (const int t : charted.flattening().triangles) {
     const Triangle& c = surface.triangles()[index(t)];
     const auto at = [&](std::size_t k) -> const Vector3d& { return surface.inked()[index(c[k])]; };
     const double third = (at(1) - at(0)).cross(at(2) - at(0)).norm() / 6;
-    for (int k = 0; k < 3; ++k) {
-      out.area[index(c[index(k)])] += third;
-      const int n = surface.across(t, k);
-      if (n < 0 || !charted.on_chart(n))
-        border.push_back(0.5 * (at(index((k + 1) % 3)) + at(index((k + 2) % 3))));
-    }
+    for (const int v : c) out.area[index(v)] += third;
   }
+  const std::vector<Vector3d> border = charted.border();
   out.to_border.assign(out.area.size(), 0);
   for (std::size_t v = 0; v < out.area.size(); ++v) {
     if (out.area[v] == 0) continue;
@@ -61,18 +63,23 @@ ChartVertices chart_vertices(const ChartedSurface& charted) {
   return out;
 }
 
-SamplingDomain sampling_domain(const InkedSurface& surface, const ChartVertices& vertices, ArrayRegion region,
-                               double margin_mm) {
+// The part of the chart that a region is.
+Half half_of(const ChartVertices& vertices, const InkedSurface& surface, ArrayRegion region) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (std::size_t v = 0; v < vertices.area.size(); ++v)
     if (vertices.area[v] > 0)
       low = std::min(low, surface.inked()[v].y()), high = std::max(high, surface.inked()[v].y());
-  const double middle = (low + high) / 2;
+  const int side = region == ArrayRegion::front ? 1 : region == ArrayRegion::back ? -1 : 0;
+  return {(low + high) / 2, side};
+}
+
+SamplingDomain sampling_domain(const InkedSurface& surface, const ChartVertices& vertices, ArrayRegion region,
+                               double margin_mm) {
+  const Half half = half_of(vertices, surface, region);
   SamplingDomain out;
   for (std::size_t v = 0; v < vertices.area.size(); ++v) {
-    if (vertices.area[v] == 0 || vertices.to_border[v] < margin_mm) continue;
-    const double y = surface.inked()[v].y() - middle;
-    if ((region == ArrayRegion::front && y < 0) || (region == ArrayRegion::back && y > 0)) continue;
+    if (vertices.area[v] == 0 || vertices.to_border[v] < margin_mm || half.outside_mm(surface.inked()[v]) > 0)
+      continue;
     out.vertices.push_back(static_cast<int>(v));
     out.areas.push_back(vertices.area[v]);
     out.area += vertices.area[v];
@@ -116,7 +123,8 @@ Vector3d middle_of(const InkedSurface& surface, const SamplingDomain& domain, co
 }
 
 // The `count` nodes of a hexagonal lattice on the chart that are nearest to the middle of the domain.
-std::vector<Vector3d> lattice(const ChartedSurface& charted, const SamplingDomain& domain, int count) {
+std::vector<Vector3d> lattice(const ChartedSurface& charted, const SamplingDomain& domain, int count,
+                              double turn) {
   Vector2d middle = Vector2d::Zero();
   for (const int v : domain.vertices)
     middle += charted.flattening().chart[index(v)] / static_cast<double>(domain.vertices.size());
@@ -128,7 +136,8 @@ std::vector<Vector3d> lattice(const ChartedSurface& charted, const SamplingDomai
                    [](const Vector2d& a, const Vector2d& b) { return a.squaredNorm() < b.squaredNorm(); });
   std::vector<Vector3d> out;
   for (int i = 0; i < count; ++i)
-    out.push_back(charted.surface().place(charted.at_chart(middle + nodes[index(i)]).point));
+    out.push_back(
+        charted.surface().place(charted.at_chart(middle + Eigen::Rotation2Dd(turn) * nodes[index(i)]).point));
   return out;
 }
 
@@ -154,6 +163,22 @@ SheetPoint point_at(const ChartedSurface& charted, int vertex) {
   return {triangles.front(), Vector3d::Unit(0)};
 }
 
+// From the back to the front, and from left to right where that is the same. The order of what was where.
+std::vector<int> sort_by_place(const ChartedSurface& charted, std::vector<Centre>& centres) {
+  for (Centre& c : centres)
+    if (charted.on_chart(c.point.triangle)) c.drawn = charted.chart(c.point);
+  std::vector<int> order(centres.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    const Vector2d &p = centres[index(a)].drawn, &q = centres[index(b)].drawn;
+    return p.y() != q.y() ? p.y() < q.y() : p.x() < q.x();
+  });
+  std::vector<Centre> sorted;
+  for (const int i : order) sorted.push_back(centres[index(i)]);
+  centres = std::move(sorted);
+  return order;
+}
+
 ElementLayout element_layout(const ChartedSurface& charted, const Tessellation& cells) {
   ElementLayout out;
   for (const int v : cells.sites) {
@@ -163,17 +188,9 @@ ElementLayout element_layout(const ChartedSurface& charted, const Tessellation& 
     centre.drawn = charted.flattening().chart[index(v)];
     out.centres.push_back(centre);
   }
-  // From the back to the front, and from left to right where that is the same.
-  std::vector<int> order(cells.sites.size()), place(order.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    const Vector2d &p = out.centres[index(a)].drawn, &q = out.centres[index(b)].drawn;
-    return p.y() != q.y() ? p.y() < q.y() : p.x() < q.x();
-  });
-  std::vector<Centre> sorted;
-  for (std::size_t i = 0; i < order.size(); ++i)
-    place[index(order[i])] = static_cast<int>(i), sorted.push_back(out.centres[index(order[i])]);
-  out.centres = std::move(sorted);
+  const std::vector<int> order = sort_by_place(charted, out.centres);
+  std::vector<int> place(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) place[index(order[i])] = static_cast<int>(i);
   for (const auto& [a, b] : cells.touch)
     out.pairs.push_back(
         {std::min(place[index(a)], place[index(b)]), std::max(place[index(a)], place[index(b)]), 0});
@@ -216,18 +233,11 @@ bool find_pairs(const InkedSurface& surface, ElementLayout& layout, double spaci
 }
 
 Element ring(const std::string& id, const Vector2d& centre, double radius) {
-  const double k = 0.5522847498307936 * radius, r = radius;
-  Curve circle;
-  circle.closed = true;
-  for (const Vector2d& p : {Vector2d(r, 0), Vector2d(r, k), Vector2d(k, r), Vector2d(0, r), Vector2d(-k, r),
-                            Vector2d(-r, k), Vector2d(-r, 0), Vector2d(-r, -k), Vector2d(-k, -r),
-                            Vector2d(0, -r), Vector2d(k, -r), Vector2d(r, -k), Vector2d(r, 0)})
-    circle.points.push_back(centre + p);
   Shape shape;
-  shape.curves.push_back(std::move(circle));
+  shape.curves.push_back(circle(centre, radius));
   shape.stroke = Stroke{};
   shape.stroke->width_mm = loop_trace_mm;
-  return {id, centre, {shape}};
+  return one_element(id, {std::move(shape)});
 }
 
 Drawing drawing_of(const ElementLayout& layout, const std::vector<Vector2d>& picture) {
@@ -282,12 +292,12 @@ double nearest_two(const InkedSurface& surface, const ElementLayout& layout) {
 
 // Loops of one size, evenly spread.
 Result<ElementLayout> spread(const ChartedSurface& charted, const ChartVertices& vertices,
-                             const LayoutSettings& wish, double extra_mm, bool settle,
+                             const LayoutSettings& wish, double extra_mm, bool settle, double turn,
                              const Context& context) {
   const InkedSurface& surface = charted.surface();
   VACUFORM_TRY(where, domain_for(charted, vertices, wish, extra_mm));
   const Tessellation cells =
-      tessellate(surface, where.vertices, where.areas, lattice(charted, where, wish.count), settle);
+      tessellate(surface, where.vertices, where.areas, lattice(charted, where, wish.count, turn), settle);
   VACUFORM_CHECK(context.step(Stage::printing, 0));
   ElementLayout layout = element_layout(charted, cells);
   drop_distant(surface, layout);
@@ -299,20 +309,30 @@ Result<ElementLayout> spread(const ChartedSurface& charted, const ChartVertices&
     layout.elements.push_back(loop_of(i, diameter / 2));
     layout.centres[index(i)].radius_mm = diameter / 2;
   }
+  return layout;
+}
+
+// The same with equal distances of neighbours.
+Result<ElementLayout> equally_spread(const ChartedSurface& charted, const ChartVertices& vertices,
+                                     const LayoutSettings& wish, double extra_mm, bool settle,
+                                     const Context& context) {
+  VACUFORM_TRY(layout, spread(charted, vertices, wish, extra_mm, settle, 0, context));
+  const InkedSurface& surface = charted.surface();
+  const double spacing = ratio_of(wish) * 2 * layout.elements.front().outline.radius_mm;
   // Where the centres have moved, others may be neighbours. Where no distances are equal, least squares may fold the array
   // over itself: then it stays as the cells are.
   constexpr int rounds = 4;
   constexpr double least_apart = 0.8;
   for (int round = 0; round < rounds; ++round) {
-    for (Neighbours& n : layout.pairs) n.drawn_mm = ratio * diameter;
+    for (Neighbours& n : layout.pairs) n.drawn_mm = spacing;
     const std::vector<Centre> before = layout.centres;
     VACUFORM_CHECK(multilaterate(charted, layout.centres, layout.pairs, context));
     for (Centre& c : layout.centres) c.moved.setZero();
-    if (nearest_two(surface, layout) < least_apart * ratio * diameter) {
+    if (nearest_two(surface, layout) < least_apart * spacing) {
       layout.centres = before;
       break;
     }
-    if (!find_pairs(surface, layout, ratio * diameter)) break;
+    if (!find_pairs(surface, layout, spacing)) break;
   }
   return layout;
 }
@@ -336,90 +356,207 @@ std::optional<StrongestPair> strongest_neighbours(const Trial& trial) {
   return out;
 }
 
-double worst_coupling(const Trial& trial) {
-  const auto strongest = strongest_neighbours(trial);
-  return strongest ? std::abs(strongest->k) : 0;
+// Above 1: neighbours couple by more than .01, others by more than unnulled_k, or all by more than .01 rms.
+double excess_of(const Trial& trial, const CouplingMatrix& matrix) {
+  const auto strongest = strongest_pair(matrix, [](int) { return true; });
+  const auto neighbours = strongest_neighbours(trial);
+  return std::max({strongest ? std::abs(strongest->k) / unnulled_k : 0,
+                   neighbours ? std::abs(neighbours->k) / 0.01 : 0, rms(matrix) / 0.01});
 }
 
-Result<std::optional<StrongestPair>> strongest_of_all(const Trial& trial, const Context& context) {
+Result<CouplingMatrix> couplings_of(const Trial& trial, const Context& context) {
   std::vector<InductiveLoop> loops;
   for (const LaidCoil& coil : trial.laid) loops.push_back({coil.element.loop, coil.self_nh});
-  VACUFORM_TRY(matrix, coupling_matrix(loops, Stage::printing, 0, context));
-  return strongest_pair(matrix, [](int) { return true; });
+  return coupling_matrix(loops, Stage::printing, 0, context);
 }
 
-// Decouples the loops. Loops that were no neighbours may then have come so near that they overlap: they count, too.
-Result<void> decouple_all(const ChartedSurface& charted, const LayoutSettings& wish,
-                          const CoilSettings& coils, Trial& trial, const Context& context) {
-  const double spacing = 2 * ratio_of(wish) * trial.layout.elements.front().outline.radius_mm;
-  constexpr int most_rounds = 3;
-  for (int round = 0; round < most_rounds; ++round) {
-    VACUFORM_CHECK(decouple(charted, trial.layout, trial.laid, coils.size_limit, context));
-    if (!find_pairs(charted.surface(), trial.layout, spacing)) break;
-  }
-  return {};
-}
-
-// The best of several ways to spread the loops: the fewest loops off the head, then the least coupling of neighbours. Each
-// way is farther from the border than the one before; a given size is laid as the lattice is and as the region asks in turn.
-Result<Trial> best_of(const ChartedSurface& charted, const ChartVertices& vertices,
-                      const LayoutSettings& wish, const CoilSettings& coils, const Context& context) {
+// Loops as evenly spread as the wish's overlap asks; farther and farther from the border until none is off the head.
+Result<Trial> overlapping(const ChartedSurface& charted, const ChartVertices& vertices,
+                          const LayoutSettings& wish, const CoilSettings& coils, const Context& context) {
   constexpr double farther_mm = 2.5;
   const bool fitted = wish.diameter_mm == 0;
   const int most_ways = fitted ? 8 : 4;
-  constexpr int most_decoupled = 5;
-  constexpr double required_k = 0.01;
-  std::optional<Trial> best, nearest;  // decoupled; with the fewest loops off the head before that
-  int decoupled = 0;
-  for (int way = 0; way < most_ways && decoupled < most_decoupled; ++way) {
-    const Portion portion(context, Stage::printing, static_cast<double>(way) / most_ways,
-                          (way + 1.0) / most_ways);
-    const bool settle = fitted || way % 2 == 1;
-    auto layout = spread(charted, vertices, wish, way * farther_mm, settle, portion.context());
+  std::optional<Trial> best;
+  for (int way = 0; way < most_ways; ++way) {
+    auto layout = equally_spread(charted, vertices, wish, way * farther_mm, fitted || way % 2 == 1, context);
     if (!layout && layout.error().code != Code::cancelled && way > 0) break;  // no room for that
     VACUFORM_CHECK(layout);
     layout->keep = coils.keep;
-    VACUFORM_TRY(laid, lay_coils(charted, *layout, portion.context()));
+    VACUFORM_TRY(laid, lay_coils(charted, *layout, context));
     Trial trial{*std::move(layout), std::move(laid)};
-    const int off = off_head(trial.laid);
-    if (!nearest || off <= off_head(nearest->laid)) nearest = trial;
-    if (off > 0) continue;
-    if (wish.overlap > 0) return trial;
-    VACUFORM_CHECK(decouple_all(charted, wish, coils, trial, portion.context()));
-    ++decoupled;
-    const auto rank = [](const Trial& of) { return std::pair(off_head(of.laid), worst_coupling(of)); };
-    if (!best || rank(trial) < rank(*best)) best = std::move(trial);
-    if (off_head(best->laid) == 0 && worst_coupling(*best) < required_k) break;
+    if (!best || off_head(trial.laid) <= off_head(best->laid)) best = std::move(trial);
+    if (off_head(best->laid) == 0) break;
   }
-  if (best) return *std::move(best);
-  if (wish.overlap == 0) VACUFORM_CHECK(decouple_all(charted, wish, coils, *nearest, context));
-  return *std::move(nearest);
+  return *std::move(best);
 }
 
-// The picture, shifted loop by loop until the least squares of the drawn distances (spacing.hpp) put each centre where
-// the layout has it; the best one met.
-Result<Drawing> picture_that_lands(const ChartedSurface& charted, const ElementLayout& layout,
-                                   std::vector<Vector2d> picture, const Context& context) {
-  const InkedSurface& surface = charted.surface();
-  constexpr int rounds = 12;
-  constexpr double share = 0.7;
-  Drawing best;
-  double least = std::numeric_limits<double>::infinity();
-  for (int round = 0; round < rounds; ++round) {
-    const Drawing drawing = drawing_of(layout, picture);
-    ElementLayout landed = lay_by_chart(charted, drawing, {});
-    if (landed.centres.size() != picture.size()) break;  // some have left the chart
-    VACUFORM_CHECK(multilaterate(charted, landed.centres, landed.pairs, context));
-    double off = 0;
-    for (std::size_t i = 0; i < picture.size(); ++i) {
-      const Vector2d is = charted.chart(landed.centres[i].point),
-                     wanted = charted.chart(layout.centres[i].point);
-      off += (surface.place(landed.centres[i].point) - surface.place(layout.centres[i].point)).squaredNorm();
-      if (is.allFinite() && wanted.allFinite()) picture[i] += share * (wanted - is);
-    }
-    if (off < least) least = off, best = drawing;
+// Centres by chart coordinates.
+std::vector<Centre> centres_at(const ChartedSurface& charted, const std::vector<Vector2d>& places) {
+  std::vector<Centre> out;
+  for (const Vector2d& place : places) {
+    Centre centre;
+    centre.point = charted.at_chart(place).point;
+    centre.axis = charted.axis(centre.point.triangle);
+    centre.drawn = place;
+    out.push_back(centre);
   }
-  return best.elements.empty() ? drawing_of(layout, picture) : best;
+  return out;
+}
+
+// The layout's centres, nearer to their middle.
+std::vector<Centre> drawn_together(const ChartedSurface& charted, const ElementLayout& layout, double share) {
+  std::vector<Vector2d> places;
+  Vector2d middle = Vector2d::Zero();
+  for (const Centre& c : layout.centres) {
+    places.push_back(charted.on_chart(c.point.triangle) ? charted.chart(c.point) : c.drawn);
+    middle += places.back() / static_cast<double>(layout.centres.size());
+  }
+  for (Vector2d& place : places) place = middle + share * (place - middle);
+  return centres_at(charted, places);
+}
+
+// The nodes of a hexagonal lattice that are nearest to `middle`: on a node of it, or the middle of an edge or a triangle.
+std::vector<Centre> hexagons(const ChartedSurface& charted, const Vector2d& middle, int count, double spacing,
+                             double turn, int kind) {
+  const Vector2d from = kind == 0   ? Vector2d(0, 0)
+                        : kind == 1 ? Vector2d(0.5, 0)
+                                    : Vector2d(0.5, hexagon / 3);
+  std::vector<Vector2d> nodes;
+  const int reach = 3 + static_cast<int>(std::sqrt(count));
+  for (int j = -reach; j <= reach; ++j)
+    for (int i = -reach; i <= reach; ++i)
+      nodes.push_back(spacing * (from + Vector2d(i + 0.5 * (j & 1), hexagon * j)));
+  std::stable_sort(nodes.begin(), nodes.end(),
+                   [](const Vector2d& a, const Vector2d& b) { return a.squaredNorm() < b.squaredNorm(); });
+  nodes.resize(index(count));
+  for (Vector2d& node : nodes) node = middle + Eigen::Rotation2Dd(turn) * node;
+  return centres_at(charted, nodes);
+}
+
+// The best arrangement of each size, the largest first: from evenly spread centres and from hexagonal lattices.
+Result<std::vector<Arrangement>> arrangements(const ChartedSurface& charted, const ChartVertices& vertices,
+                                              const LayoutSettings& wish, const Context& context) {
+  constexpr int most_sizes = 8, many = 32;
+  constexpr double smaller = 0.935;
+  const int ways = wish.count > many ? 2 : 3, lattice_turns = wish.count > many ? 2 : 5;
+  const bool fitted = wish.diameter_mm == 0;
+  std::vector<ElementLayout> spreads;
+  for (int way = 0; way < ways; ++way) {
+    auto layout = spread(charted, vertices, wish, 0, fitted || way > 0, way * M_PI / 3 / ways, context);
+    if (!layout && layout.error().code != Code::cancelled && way > 0) break;
+    VACUFORM_CHECK(layout);
+    spreads.push_back(*std::move(layout));
+  }
+  const double largest = spreads.front().elements.front().outline.radius_mm;
+  Vector2d middle = Vector2d::Zero();
+  for (const Centre& c : spreads.front().centres) middle += c.drawn / wish.count;
+  const Relaxation relaxation(charted, half_of(vertices, charted.surface(), wish.region));
+  std::vector<Arrangement> out;
+  for (int size = 0; size < (fitted ? most_sizes : 1); ++size) {
+    VACUFORM_CHECK(context.step(Stage::printing, static_cast<double>(size) / most_sizes));
+    const double share = std::pow(smaller, size), radius = share * largest;
+    std::vector<std::vector<Centre>> starts;
+    for (const ElementLayout& from : spreads)
+      for (const double together : {1.0, share}) starts.push_back(drawn_together(charted, from, together));
+    for (int turn = 0; turn < lattice_turns; ++turn)
+      for (int kind = 0; kind < 3; ++kind)
+        starts.push_back(hexagons(charted, middle, wish.count, 2 * critical * radius,
+                                  turn * M_PI / 3 / lattice_turns, kind));
+    std::vector<Arrangement> found(starts.size());
+    in_parallel(0, static_cast<int>(starts.size()), [&](int first, int last) {
+      for (std::size_t i = index(first); i < index(last); ++i)
+        found[i] = relaxation.relaxed(std::move(starts[i]), radius, loop_trace_mm);
+    });
+    out.push_back(best_of(found));
+    if (out.back().score() <= 1) break;
+  }
+  return out;
+}
+
+std::vector<CoupledLoops> coupled_loops(const InkedSurface& surface, const Trial& trial,
+                                        const CouplingMatrix& matrix) {
+  std::vector<CoupledLoops> out;
+  std::set<std::pair<int, int>> neighbours;
+  for (const Neighbours& n : trial.layout.pairs) neighbours.emplace(n.a, n.b);
+  const auto id = [](int i) { return "coil-" + std::to_string(i + 1); };
+  const auto radius = [&](int i) {
+    const LaidElement& e = trial.layout.elements[index(i)];
+    return e.size * e.outline.radius_mm;
+  };
+  for (int a = 0; a < matrix.count(); ++a)
+    for (int b = a + 1; b < matrix.count(); ++b) {
+      if (!trial.laid[index(a)].element.on_head || !trial.laid[index(b)].element.on_head) continue;
+      const Vector3d p = surface.place(trial.layout.centres[index(a)].point),
+                     q = surface.place(trial.layout.centres[index(b)].point);
+      if (std::isfinite(matrix(a, b)))
+        out.push_back({id(a), id(b), matrix(a, b), (p - q).norm(), (p + q) / 2, neighbours.contains({a, b}),
+                       (p - q).norm() < overlap_share * (radius(a) + radius(b))});
+    }
+  return out;
+}
+
+Result<Trial> laid_out(const ChartedSurface& charted, const Arrangement& arrangement,
+                       const CoilSettings& coils, const Context& context) {
+  Trial out;
+  out.layout.keep = coils.keep;
+  out.layout.centres = arrangement.centres;
+  sort_by_place(charted, out.layout.centres);
+  for (Centre& centre : out.layout.centres) {
+    out.layout.elements.push_back(
+        loop_of(static_cast<int>(out.layout.elements.size()), arrangement.radius_mm));
+    centre.radius_mm = arrangement.radius_mm;
+  }
+  VACUFORM_TRY(laid, lay_coils(charted, out.layout, context));
+  out.laid = std::move(laid);
+  VACUFORM_CHECK(decouple(charted, out.layout, out.laid, coils.size_limit, context));
+  find_pairs(charted.surface(), out.layout, 2 * critical * arrangement.radius_mm);
+  return out;
+}
+
+// The largest loops that couple as little as they should; else those that couple least.
+Result<Trial> decoupled(const ChartedSurface& charted, const ChartVertices& vertices,
+                        const LayoutSettings& wish, const CoilSettings& coils, const Context& context) {
+  constexpr int most_tried = 3;
+  constexpr double good = 1.35;
+  const SubProgress first(context, {Stage::printing, 0, 0.5}), second(context, {Stage::printing, 0.5, 1});
+  VACUFORM_TRY(found, arrangements(charted, vertices, wish, first.context()));
+  std::size_t from = 0;  // decoupling takes a third off what is left
+  while (from + 1 < found.size() && found[from].score() > good) ++from;
+  if (found[from].score() > good) from = index(static_cast<int>(&best_of(found) - found.data()));
+  std::optional<Trial> best;
+  double least = 0;
+  for (std::size_t i = from; i < std::min(found.size(), from + most_tried); ++i) {
+    VACUFORM_TRY(trial, laid_out(charted, found[i], coils, second.context()));
+    VACUFORM_TRY(matrix, couplings_of(trial, second.context()));
+    const double excess = off_head(trial.laid) + excess_of(trial, matrix);
+    if (!best || excess < least) best = std::move(trial), least = excess;
+    if (least <= 1) break;
+  }
+  return *std::move(best);
+}
+
+// The picture with the places of its coils: each turned as its neighbours in the picture ask for.
+Drawing with_places(const ChartedSurface& charted, const ElementLayout& layout,
+                    const std::vector<Vector2d>& picture) {
+  Drawing out = drawing_of(layout, picture);
+  std::vector<Centre> centres = layout.centres;
+  for (std::size_t i = 0; i < picture.size(); ++i) centres[i].drawn = picture[i];
+  const std::vector<double> turn = turns(charted, centres, layout.pairs);
+  for (std::size_t i = 0; i < picture.size(); ++i) {
+    const Centre& c = centres[i];
+    out.elements[i].place =
+        CoilPlace{charted.surface().place(c.point),
+                  turned(charted.surface(), c.point.triangle, c.axis, turn[i]), picture[i]};
+  }
+  return out;
+}
+
+// At, u, drawn, as the drawing's reader takes it (pattern/drawing.cpp).
+std::string numbers_of(const CoilPlace& place) {
+  std::string out;
+  for (const double mm : place.at) out += decimal(mm, 4) + " ";
+  for (const double share : place.u) out += decimal(share, 6) + " ";
+  return out + decimal(place.drawn.x(), 4) + " " + decimal(place.drawn.y(), 4);
 }
 
 }  // namespace
@@ -427,10 +564,11 @@ Result<Drawing> picture_that_lands(const ChartedSurface& charted, const ElementL
 Result<Array> lay_out_array(const ChartedSurface& charted, const LayoutSettings& wish,
                             const CoilSettings& coils, const Context& context) {
   VACUFORM_CHECK(context.step(Stage::printing, 0));
-  const Portion first(context, Stage::printing, 0, 0.8), last(context, Stage::printing, 0.8, 1);
+  const SubProgress first(context, {Stage::printing, 0, 0.8}), last(context, {Stage::printing, 0.8, 1});
   const InkedSurface& surface = charted.surface();
   const ChartVertices vertices = chart_vertices(charted);
-  VACUFORM_TRY(best, best_of(charted, vertices, wish, coils, first.context()));
+  VACUFORM_TRY(best, wish.overlap > 0 ? overlapping(charted, vertices, wish, coils, first.context())
+                                      : decoupled(charted, vertices, wish, coils, first.context()));
   const auto& [layout, laid] = best;
 
   Array out;
@@ -438,8 +576,10 @@ Result<Array> lay_out_array(const ChartedSurface& charted, const LayoutSettings&
   out.pairs = static_cast<int>(layout.pairs.size());
   out.off_head = off_head(laid);
   out.strongest_neighbours = strongest_neighbours(best);
-  VACUFORM_TRY(strongest, strongest_of_all(best, last.context()));
-  out.strongest = strongest;
+  VACUFORM_TRY(matrix, couplings_of(best, last.context()));
+  out.strongest = strongest_pair(matrix, [](int) { return true; });
+  out.k_rms = rms(matrix);
+  if (wish.overlap == 0) out.coupled = coupling_warning(coupled_loops(charted.surface(), best, matrix), true);
   std::vector<double> mm;
   for (const Neighbours& n : layout.pairs) {
     mm.push_back(distance(surface, layout, n));
@@ -452,9 +592,7 @@ Result<Array> lay_out_array(const ChartedSurface& charted, const LayoutSettings&
     out.centres.push_back(surface.place(c.point));
     start.push_back(charted.on_chart(c.point.triangle) ? charted.chart(c.point) : c.drawn);
   }
-  VACUFORM_TRY(drawing,
-               picture_that_lands(charted, layout, metric_mds(start, layout.pairs, mm), last.context()));
-  out.drawing = std::move(drawing);
+  out.drawing = with_places(charted, layout, metric_mds(start, layout.pairs, mm));
   VACUFORM_CHECK(context.step(Stage::printing, 1));
   return out;
 }
@@ -467,8 +605,9 @@ std::string svg_of_rings(const Drawing& drawing, const std::string& title) {
                     "</title>\n";
   for (const Element& e : drawing.elements) {
     const Shape& shape = e.shapes.front();
-    svg += "  <g id=\"" + e.id + "\"><circle cx=\"" + decimal(e.centre.x(), 4) + "\" cy=\"" +
-           decimal(-e.centre.y(), 4) + "\" r=\"" +
+    svg += "  <g id=\"" + e.id + "\"";
+    if (e.place) svg += " data-place=\"" + numbers_of(*e.place) + "\"";
+    svg += "><circle cx=\"" + decimal(e.centre.x(), 4) + "\" cy=\"" + decimal(-e.centre.y(), 4) + "\" r=\"" +
            decimal((shape.curves.front().points.front() - e.centre).norm(), 4) +
            "\" fill=\"none\" stroke=\"#000\" stroke-width=\"" + decimal(shape.stroke->width_mm, 3) +
            "\"/></g>\n";

@@ -13,9 +13,9 @@ namespace vacuform {
 inline constexpr double loop_trace_mm = 3;  // line width of the loops
 
 struct Array {
-  // Circles with the ids coil-1, coil-2... from the back to the front, around (0, 0). They form the best flat image of
-  // the array: their neighbours are as far apart as on the surface, as nearly as the plane allows. Laid without an
-  // offset, and with coils.decouple, they land on their places in the array with the same accuracy.
+  // Circles with the ids coil-1, coil-2... from the back to the front, around (0, 0), with their places: printed on the
+  // same surface they lie there. They form the best flat image of the array: their neighbours are as far apart as on the
+  // surface, as nearly as the plane allows.
   Drawing drawing;
   std::vector<Eigen::Vector3d> centres;  // on the inked surface, mm
   double diameter_mm = 0;                // of the loops before decoupling changed their sizes
@@ -24,19 +24,22 @@ struct Array {
   // The strongest pair of neighbours and of all loops, as indices into drawing.elements; nothing if the loops extend
   // beyond the sheet.
   std::optional<StrongestPair> strongest_neighbours, strongest;
+  double k_rms = 0;                // over all pairs
+  std::optional<Warning> coupled;  // "coils-coupled" (coupled_neighbours.hpp)
   int pairs = 0, off_head = 0;
 };
 
-// Loops of equal size. With a given diameter: a piece of a hexagonal lattice about the middle of the region. Fitted:
-// the centres of a centroidal Voronoi tessellation of it (hexagons where it is flat, pentagons where the curvature
-// needs them). Then the loops are moved to equal geodesic distances. With wish.overlap that is all. Otherwise they are
-// decoupled with sizes within coils.size_limit. Where loops end off the head or stay coupled, they are spread farther from
-// the border, and a given size by a tessellation; the best counts, and off_head and strongest_neighbours show it. The
-// settings decouple and stretch_limit of `coils` have no effect. Deterministic. Errors: unusable_surface (they do not fit), cancelled.
+// Loops of one size, which decoupling may change within coils.size_limit. With wish.overlap they are spread evenly over
+// the region (a centroidal Voronoi tessellation, or a hexagonal lattice of a given diameter), at equal geodesic distances.
+// Otherwise many ways to begin, evenly spread and hexagonal, are relaxed (array_relaxation.hpp), for a fitted diameter at
+// smaller and smaller sizes; the largest that couples little enough is laid and decoupled exactly: neighbours below 0.01,
+// others below unnulled_k, all of them below 0.01 rms; if none does, the one that couples least. All of it takes some
+// seconds at most. Loops off the head are counted in off_head. The settings decouple and stretch_limit of `coils` have no
+// effect. Deterministic. Errors: unusable_surface (they do not fit), cancelled.
 Result<Array> lay_out_array(const ChartedSurface& charted, const LayoutSettings& wish,
                             const CoilSettings& coils, const Context& context);
 
-// The drawing as an SVG in millimetres, one group per coil.
+// The drawing as an SVG in millimetres, one group per coil, with its place as `data-place`.
 std::string svg_of_rings(const Drawing& drawing, const std::string& title);
 
 }  // namespace vacuform

@@ -1,10 +1,11 @@
-// Coupling between the neighbours of a placement, and what is reported about it.
+// Coupling between the loops of a placement, and what is reported about it.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "worker/coils/decoupling.hpp"
 #include "worker/placement/placement.hpp"
 
 namespace vacuform {
@@ -15,18 +16,26 @@ namespace vacuform {
 Result<void> add_couplings(const ChartedSurface& charted, const Drawing& drawing, const Settings& settings,
                            const Context& context, Placement& placement);
 
-// Two neighbours that both lie on the head.
-struct CoupledNeighbours {
+// Two loops that both lie on the head.
+struct CoupledLoops {
   std::string a, b;                // ids
   double k = 0;                    // with its sign
   double mm = 0;                   // distance of the centres
   Eigen::Vector3d place{0, 0, 0};  // between the centres, mm
+  bool neighbours = true, overlap = true;
 };
 
-// The pairs of a placement whose coupling is known, as they were placed.
-std::vector<CoupledNeighbours> coupled_neighbours(const Placement& placement, const Drawing& drawing);
+// What a pair may couple by: neighbours by neighbours_k, others as distance leaves them, unnulled_k, which also counts for
+// neighbours that do not overlap once they are decoupled.
+inline constexpr double neighbours_k = 0.01;
+inline double most_k(const CoupledLoops& pair, bool decoupled) {
+  return pair.overlap || (pair.neighbours && !decoupled) ? neighbours_k : unnulled_k;
+}
 
-// "coils-coupled" for the pairs with |k| of 0.01 or more, strongest first; nothing if there are no such pairs.
-std::optional<Warning> coupling_warning(const std::vector<CoupledNeighbours>& pairs, bool decoupled);
+// The pairs of a placement whose coupling is known, as they were placed: neighbours, and what others couple too strongly.
+std::vector<CoupledLoops> coupled_loops(const Placement& placement, const Drawing& drawing);
+
+// "coils-coupled" for the pairs at or above most_k(), strongest first; nothing if there are no such pairs.
+std::optional<Warning> coupling_warning(const std::vector<CoupledLoops>& pairs, bool decoupled);
 
 }  // namespace vacuform

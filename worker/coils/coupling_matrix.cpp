@@ -48,7 +48,7 @@ CouplingMatrix::CouplingMatrix(int count)
 Result<CouplingMatrix> coupling_matrix(const std::vector<InductiveLoop>& loops, Stage stage, double fraction,
                                        const Context& context) {
   const int count = static_cast<int>(loops.size());
-  const auto loop = [&](int i) -> const InductiveLoop& { return loops[static_cast<std::size_t>(i)]; };
+  const auto loop = [&](int i) -> const InductiveLoop& { return loops[i]; };
   const auto couples = [&](int i) { return !loop(i).line.empty() && loop(i).self_nh > 0; };
   std::vector<Dipole> dipoles;
   for (const InductiveLoop& one : loops) dipoles.push_back(dipole_of(one.line));
@@ -63,8 +63,7 @@ Result<CouplingMatrix> coupling_matrix(const std::vector<InductiveLoop>& loops, 
         for (int b = 0; b < a; ++b)
           if (couples(b))
             out.set(a, b,
-                    mutual_nh(loop(a), dipoles[static_cast<std::size_t>(a)], loop(b),
-                              dipoles[static_cast<std::size_t>(b)]) /
+                    mutual_nh(loop(a), dipoles[a], loop(b), dipoles[b]) /
                         std::sqrt(loop(a).self_nh * loop(b).self_nh));
       }
     });
@@ -81,6 +80,15 @@ std::optional<StrongestPair> strongest_pair(const CouplingMatrix& matrix,
           counts(b) && std::isfinite(k) && (!out || std::abs(k) > std::abs(out->k)))
         out = StrongestPair{a, b, k};
   return out;
+}
+
+double rms(const CouplingMatrix& matrix) {
+  double squares = 0;
+  int pairs = 0;
+  for (int a = 0; a < matrix.count(); ++a)
+    for (int b = a + 1; b < matrix.count(); ++b)
+      if (const double k = matrix(a, b); std::isfinite(k)) squares += k * k, ++pairs;
+  return pairs > 0 ? std::sqrt(squares / pairs) : 0;
 }
 
 }  // namespace vacuform

@@ -58,4 +58,7 @@ struct StrongestPair {
 std::optional<StrongestPair> strongest_pair(const CouplingMatrix& matrix,
                                             const std::function<bool(int)>& counts);
 
+// The root mean square of k over all pairs that couple; 0 without one.
+double rms(const CouplingMatrix& matrix);
+
 }  // namespace vacuform

@@ -21,7 +21,8 @@ namespace vacuform {
 struct ColouredScan {
   TriangleMesh mesh;
   ScanColours colours;
-  std::vector<Texture> textures;  // parallel to colours.images
+  std::vector<Texture> textures;       // parallel to colours.images
+  std::vector<Warning> warnings = {};  // file-unusual, colours-missing
 };
 // `file_name` as in make_mold(). Errors: those of read_scan() and Texture::read(); unusable_scan (no colours).
 Result<ColouredScan> read_coloured_scan(std::span<const std::uint8_t> bytes, const std::string& file_name,
@@ -97,25 +98,25 @@ class ColourWalk {
     }
   };
   // What colours in a triangle need. Neighbouring rows of places cross the same few triangles.
-  struct Seat {
+  struct CachedTriangle {
     int triangle = -1;
     Plane plane;
     const ScanMaterial* material = nullptr;
     const Texture* texture = nullptr;  // null without
     Footprint footprint;
   };
-  const Seat& seat(int triangle);
+  const CachedTriangle& cached(int triangle);
   Plane plane_of(int triangle) const;
   // The triangle on the other side of the edge opposite to a corner; -1 if there is not exactly one.
   int neighbour(int triangle, Eigen::Index corner) const;
   // The triangle below the place, if the walk reaches one.
-  const Seat* below(const Eigen::Vector3d& place);
-  Eigen::Vector3f colour(const Seat& seat, const Eigen::Vector3d& weights) const;
+  const CachedTriangle* below(const Eigen::Vector3d& place);
+  Eigen::Vector3f colour(const CachedTriangle& held, const Eigen::Vector3d& weights) const;
 
   const ColouredSurface::Parts* parts_;
   Eigen::Vector3d across_, down_;
   int triangle_ = -1;
-  std::array<Seat, 8> seats_;  // the last ones, each at its triangle modulo their number
+  std::array<CachedTriangle, 8> cached_;  // the last ones, each at its triangle modulo their number
 };
 
 }  // namespace vacuform

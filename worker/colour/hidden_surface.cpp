@@ -52,8 +52,7 @@ struct Looked {
 Looked look(const TriangleMesh& mesh, int triangle, const MoldDistance& sheet, double touch_mm) {
   std::array<Vector3d, 3> corners;
   for (std::size_t k = 0; k < 3; ++k)
-    corners[k] =
-        mesh.vertices[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(triangle)][k])];
+    corners[k] = mesh.vertices[mesh.triangles[static_cast<std::size_t>(triangle)][k]];
   Looked out;
   each_spot(corners, [&](const Spot& spot) {
     if (!(spot.place.z() > 0)) return;
@@ -122,8 +121,7 @@ HiddenSurface hidden_surface(const ColouredSurface& surface, const FormedSheet& 
   const int triangles = static_cast<int>(mesh.triangles.size());
   std::vector<Looked> looked(mesh.triangles.size());
   in_parallel(0, triangles, [&](int first, int last) {
-    for (int t = first; t < last; ++t)
-      looked[static_cast<std::size_t>(t)] = look(mesh, t, to_sheet, touch_mm);
+    for (int t = first; t < last; ++t) looked[t] = look(mesh, t, to_sheet, touch_mm);
   });
   HiddenSurface out;
   std::vector<Spot> hidden;

@@ -44,7 +44,7 @@ ColourReach colour_reach(double clearance_mm, double fade_mm) {
 
 SheetColours::SheetColours(ColouredSurface surface, const FormedSheet& sheet, const ColourReach& reach)
     : surface_(std::move(surface)), sheet_(sheet), reach_(reach), nearest_triangle_(sheet.formed.size(), -1) {
-  const auto at = [&](int v) -> const Eigen::Vector3d& { return sheet.formed[static_cast<std::size_t>(v)]; };
+  const auto at = [&](int v) -> const Eigen::Vector3d& { return sheet.formed[v]; };
   // If a triangle has a place in reach, its corners are at most its longest side further away.
   double longest = 0;
   for (const Triangle& t : sheet.triangles)
@@ -54,8 +54,8 @@ SheetColours::SheetColours(ColouredSurface surface, const FormedSheet& sheet, co
   in_parallel(0, static_cast<int>(sheet.formed.size()), [&](int first, int last) {
     for (int v = first; v < last; ++v)
       if (const auto nearest = surface_.nearest(at(v), reach.end_mm() + longest)) {
-        distance[static_cast<std::size_t>(v)] = nearest->distance_mm;
-        nearest_triangle_[static_cast<std::size_t>(v)] = nearest->triangle;
+        distance[v] = nearest->distance_mm;
+        nearest_triangle_[v] = nearest->triangle;
       }
   });
   std::vector<AtDistance> coloured;
@@ -63,7 +63,7 @@ SheetColours::SheetColours(ColouredSurface surface, const FormedSheet& sheet, co
     const Triangle& corners = sheet.triangles[t];
     double nearest = far, farthest = 0, side = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-      const double d = distance[static_cast<std::size_t>(corners[k])];
+      const double d = distance[corners[k]];
       nearest = std::min(nearest, d);
       farthest = std::max(farthest, d);
       side = std::max(side, (at(corners[k]) - at(corners[(k + 1) % 3])).norm());

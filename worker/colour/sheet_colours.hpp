@@ -42,7 +42,7 @@ class SheetColours {
   const std::vector<int>& triangles() const { return triangles_; }
   const ColouredArea& area() const { return area_; }
   // The triangle of the scan that is nearest to a vertex of the sheet; -1 if none is in reach.
-  int nearest_triangle(int vertex) const { return nearest_triangle_[static_cast<std::size_t>(vertex)]; }
+  int nearest_triangle(int vertex) const { return nearest_triangle_[vertex]; }
   // The parts of the scan whose colour the sheet does not show.
   const HiddenSurface& hidden() const { return hidden_; }
 

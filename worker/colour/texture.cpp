@@ -208,13 +208,13 @@ void Texture::continue_islands(Level& level) {
       for (int x = 0; x < level.width; ++x) {
         const int after = above_and_below(x + 1);
         if ((before | here | after) != 0 && rows[1][4 * std::ptrdiff_t{x} + 3] == 0)
-          if (const auto found = continued(x, y)) of_row[static_cast<std::size_t>(y)].push_back(*found);
+          if (const auto found = continued(x, y)) of_row[y].push_back(*found);
         before = here, here = after;
       }
     }
   });
   for (int y = 0; y < level.height; ++y)
-    for (const auto& [x, rgb] : of_row[static_cast<std::size_t>(y)]) {
+    for (const auto& [x, rgb] : of_row[y]) {
       std::uint8_t* p = level.row(y) + 4 * std::ptrdiff_t{x};
       std::copy(rgb.begin(), rgb.end(), p);
       p[3] = 255;
@@ -288,7 +288,7 @@ inline Vector4f Texture::mean(const Level& level, double x, double y, Wrap acros
 Vector3f Texture::sample(const Vector2d& uv, const Footprint& footprint, Wrap across, Wrap down) const {
   const int low = static_cast<int>(footprint.level);
   const float blend = static_cast<float>(footprint.level - low);
-  const Level &fine = levels_[static_cast<std::size_t>(low)],
+  const Level &fine = levels_[low],
               &coarse = levels_[std::min(static_cast<std::size_t>(low) + 1, levels_.size() - 1)];
   const double shrink = 1.0 / static_cast<double>(std::int64_t{1} << low);
   const Vector2d size(levels_[0].width, levels_[0].height);

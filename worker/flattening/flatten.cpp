@@ -14,7 +14,7 @@
 #include "worker/flattening/region.hpp"
 #include "worker/numerics/plane.hpp"
 #include "worker/numerics/rigid_fit.hpp"
-#include "worker/stage/portion.hpp"
+#include "worker/stage/sub_progress.hpp"
 
 namespace vacuform {
 
@@ -147,7 +147,7 @@ Result<FlatteningOutcome> flatten_weighted(Chart& chart, const FlatteningSetting
   const int rounds = weighted && by_coverage(settings.weights) ? 3 : 1;
   FlatteningOutcome total{0, true};
   for (int round = 0; round < rounds; ++round) {
-    const Portion part(context, Stage::flattening, double(round) / rounds, double(round + 1) / rounds);
+    const SubProgress part(context, {Stage::flattening, double(round) / rounds, double(round + 1) / rounds});
     if (round > 0)
       chart.weight = settings.weights == FlatteningWeights::painted
                          ? painted_weights(chart, coverage, settings.weight)

@@ -13,7 +13,7 @@
 #include "worker/flattening/symmetric_dirichlet_energy.hpp"
 #include "worker/numerics/plane.hpp"
 #include "worker/numerics/supernodal_cholesky.hpp"
-#include "worker/stage/portion.hpp"
+#include "worker/stage/sub_progress.hpp"
 #include "worker/surface/adjacency.hpp"
 
 namespace vacuform {
@@ -219,8 +219,8 @@ Result<FlatteningOutcome> flatten_symmetric_dirichlet(Chart& chart, const Contex
                 "flattening.method", "use flattening.method = arap");
   if (!chart.pins.empty()) move_onto_pins(chart.uv, chart.triangles, chart.pins);
   const std::vector<Eigen::Vector2d> start = chart.uv;
-  const Portion first(context, Stage::flattening, 0, 0.3), second(context, Stage::flattening, 0.3, 0.8),
-      third(context, Stage::flattening, 0.8, 1);
+  const SubProgress first(context, {Stage::flattening, 0, 0.3}),
+      second(context, {Stage::flattening, 0.3, 0.8}), third(context, {Stage::flattening, 0.8, 1});
   VACUFORM_CHECK(start_from_arap(chart, first.context()));
   const std::vector<ChartElement> shapes = elements(chart);
   ProjectedNewton newton(chart, shapes);

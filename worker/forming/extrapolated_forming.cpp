@@ -74,7 +74,7 @@ void take_over(const Process& process, SheetState& state, const Process& from_pr
     const auto corners = interpolation.corners(i);
     const auto shares = interpolation.shares(i);
     const auto nearest = std::max_element(shares.begin(), shares.end()) - shares.begin();
-    state.folded[i] = from.folded[corners[static_cast<std::size_t>(nearest)]];
+    state.folded[i] = from.folded[corners[nearest]];
     if (state.contact[i] == Contact::clamp) {  // by the frame, which holds all its vertices at one height
       place << state.rest[i], from.x(2, 0);
       return;
@@ -123,7 +123,7 @@ Result<void> form_extrapolated(const Process& process, SheetState& state, const 
   std::array<Result<void>, 2> outcomes;
   in_parallel(0, 2, [&](int begin, int end) {
     for (int k = begin; k < end; ++k)
-      outcomes[static_cast<std::size_t>(k)] =
+      outcomes[k] =
           k == 0 ? form_membrane(fine_process, fine, context) : form_membrane(coarse_process, coarse, unseen);
   });
   for (const auto& outcome : outcomes) VACUFORM_CHECK(outcome);

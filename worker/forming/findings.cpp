@@ -206,7 +206,7 @@ void find_unstable(const FormedSheet& sheet, const std::vector<double>& area, co
   if (found.empty()) return;
   double most = 0;
   for (const Piece& p : found)
-    for (const int k : p.triangles) most = std::max(most, stretch[static_cast<std::size_t>(k)]);
+    for (const int k : p.triangles) most = std::max(most, stretch[k]);
   warnings.push_back(
       {"unstable-stretch",
        "The sheet stretches up to " + decimal(most, 1) + " times, " + over(found) + "; beyond " +
@@ -236,7 +236,7 @@ void find_thin(const FormedSheet& sheet, const std::vector<double>& area, double
   auto found = pieces(sheet, area,
                       [&](std::size_t k) { return sheet.element_thickness[k] < limit * sheet_thickness_mm; });
   if (found.empty()) return;
-  const auto thickness = [&](int k) { return sheet.element_thickness[static_cast<std::size_t>(k)]; };
+  const auto thickness = [&](int k) { return sheet.element_thickness[k]; };
   const auto thinner = [&](int a, int b) { return thickness(a) < thickness(b); };
   for (Piece& p : found) {
     std::iter_swap(p.triangles.begin(), std::min_element(p.triangles.begin(), p.triangles.end(), thinner));
@@ -295,8 +295,7 @@ std::optional<Tear> torn_at(const FormedSheet& sheet) {
   auto found = pieces(sheet, area, [&](std::size_t k) { return stretch[k] > torn_stretch; });
   if (found.empty() || found.front().area < torn_mm2) return std::nullopt;
   Tear tear{found.front().place, found.front().area, 0};
-  for (const int k : found.front().triangles)
-    tear.stretch = std::max(tear.stretch, stretch[static_cast<std::size_t>(k)]);
+  for (const int k : found.front().triangles) tear.stretch = std::max(tear.stretch, stretch[k]);
   return tear;
 }
 

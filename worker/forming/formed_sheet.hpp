@@ -84,9 +84,7 @@ struct FormedSheet {
 
 // The area of a triangle of the sheet once it is formed, mm^2.
 inline double formed_area(const FormedSheet& sheet, const Triangle& t) {
-  const auto at = [&](std::size_t k) -> const Eigen::Vector3d& {
-    return sheet.formed[static_cast<std::size_t>(t[k])];
-  };
+  const auto at = [&](std::size_t k) -> const Eigen::Vector3d& { return sheet.formed[t[k]]; };
   return 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
 }
 

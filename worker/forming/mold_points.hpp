@@ -20,9 +20,9 @@ class MoldPoints {
   MoldPoints(const TriangleMesh& mold, double spacing_mm, double drop_mm);
 
   std::size_t size() const { return places_.size(); }
-  const Eigen::Vector3d& place(int point) const { return places_[static_cast<std::size_t>(point)]; }
+  const Eigen::Vector3d& place(int point) const { return places_[point]; }
   // Whether three or more sharp edges meet there, or one ends.
-  bool is_corner(int point) const { return corner_[static_cast<std::size_t>(point)] != 0; }
+  bool is_corner(int point) const { return corner_[point] != 0; }
 
   // Calls visit(point) for every point in a box, and some beside it, in ascending order within each cell.
   template <class Visit>

@@ -23,8 +23,7 @@ std::vector<Warning> temperature_findings(const FormedSheet& sheet, Material mat
     }
     if (out.empty()) return;
     std::stable_sort(out.begin(), out.end(), [&](int a, int b) {
-      return excess(sheet.temperature[static_cast<std::size_t>(a)]) >
-             excess(sheet.temperature[static_cast<std::size_t>(b)]);
+      return excess(sheet.temperature[a]) > excess(sheet.temperature[b]);
     });
     const auto worst = static_cast<std::size_t>(out.front());
     const Eigen::Vector3d& p = sheet.formed[worst];
@@ -42,7 +41,7 @@ std::vector<Warning> temperature_findings(const FormedSheet& sheet, Material mat
                                                                            : profile.hottest_celsius};
     constexpr double apart_mm = 40;
     for (const int v : out) {
-      const Eigen::Vector3d& q = sheet.formed[static_cast<std::size_t>(v)];
+      const Eigen::Vector3d& q = sheet.formed[v];
       const bool near = std::any_of(warning.marks.begin(), warning.marks.end(), [&](const Warning::Mark& m) {
         return (Eigen::Vector3d(m.place_mm[0], m.place_mm[1], m.place_mm[2]) - q).norm() < apart_mm;
       });

@@ -13,10 +13,16 @@
 
 namespace vacuform {
 
+bool in_black(const Print& print) {
+  return std::all_of(print.layers.begin(), print.layers.end(),
+                     [](const Layer& layer) { return layer.source->black(); });
+}
+
 bool makes(const Finished& job, const ArtifactKind& kind) {
   if (kind.name == "preview-segments.png") return in_segments(job);
   if (kind.name == "preview-temperature.png") return job.heat.source != HeatSource::uniform;
-  if (kind.name.starts_with("colours.")) return job.print.colours.has_value();
+  for (const Layer& layer : job.print.layers)
+    if (kind.name.starts_with(layer.name + ".")) return true;
   for (const char* name :
        {"preview-original.png", "preview-position.png", "preview-colour.png", "preview-align.png"})
     if (kind.name == name) return job.figures.errors.has_value();
@@ -26,13 +32,10 @@ bool makes(const Finished& job, const ArtifactKind& kind) {
 Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& context) {
   VACUFORM_CHECK(context.step(Stage::inspection, 0));
   std::vector<Artifact> files;
-  files.push_back({"print.png", job.print.png});
-  files.push_back({"print.svg", {job.print.svg.begin(), job.print.svg.end()}});
-  files.push_back({"print.pdf", job.print.pdf});
-  if (const auto& colours = job.print.colours) {
-    files.push_back({"colours.png", colours->png});
-    files.push_back({"colours.svg", {colours->svg.begin(), colours->svg.end()}});
-    files.push_back({"colours.pdf", colours->pdf});
+  for (const Layer& layer : job.print.layers) {
+    files.push_back({layer.name + ".png", layer.files.png});
+    files.push_back({layer.name + ".svg", {layer.files.svg.begin(), layer.files.svg.end()}});
+    files.push_back({layer.name + ".pdf", layer.files.pdf});
   }
   const SheetPicture print(job);
   Result<std::vector<Artifact>> pictures;

@@ -159,7 +159,7 @@ void place_badges(std::vector<Callout>& callouts, const Vector2d& low, const Vec
 void draw_legend(Canvas& canvas, const std::vector<const Warning*>& marked, double top, double width) {
   for (std::size_t i = 0; i < marked.size(); ++i) {
     const Warning& warning = *marked[i];
-    const Look& look = looks[static_cast<std::size_t>(look_of(warning))];
+    const Look& look = looks[look_of(warning)];
     const std::size_t line = i / 2;
     const double x = 62 + (i % 2 == 0 ? 0 : width / 2 - 10),
                  y = top + 52 + legend_row * static_cast<double>(line);
@@ -177,7 +177,7 @@ void draw_legend(Canvas& canvas, const std::vector<const Warning*>& marked, doub
 Callouts::Callouts(const std::vector<Warning>& warnings) {
   for (const Warning& warning : warnings) {
     const int look = look_of(warning);
-    const std::size_t most = looks[static_cast<std::size_t>(look)].most;
+    const std::size_t most = looks[look].most;
     for (std::size_t i = 0; i < std::min(warning.marks.size(), most); ++i) {
       const auto& [place, size_mm] = warning.marks[i];
       marks_.push_back({look, static_cast<int>(i) + 1, {place[0], place[1], place[2]}, size_mm});
@@ -217,7 +217,7 @@ void Callouts::draw(const View& view, Picture& picture, int top, int bottom) con
   for (const Mark& mark : marks_) {
     const auto spot = view.spot(mark.place);
     if (!spot) continue;
-    const Look& look = looks[static_cast<std::size_t>(mark.look)];
+    const Look& look = looks[mark.look];
     const Vector2d place = Vector2d(spot->x, spot->y).cwiseMax(low).cwiseMin(high);
     const double ring = look.extent ? mark.size_mm / 2 * spot->pixels_per_mm : 0;
     callouts.push_back({&look, mark.number, place, std::clamp(ring, least_ring, most_ring),

@@ -4,8 +4,8 @@
 
 namespace vacuform {
 
-std::string coils_caption(const CoilTable& table, CoilSummary CoilTable::*way) {
-  const CoilSummary& c = table.*way;
+std::string coils_caption(const CoilTable& table, Way way) {
+  const CoilSummary& c = table[way];
   const std::size_t all = table.coils.size();
   const std::string counted = std::to_string(c.coils) + " of " + std::to_string(all) +
                               (all == 1 ? " coil" : " coils") + " on the head";
@@ -15,6 +15,18 @@ std::string coils_caption(const CoilTable& table, CoilSummary CoilTable::*way) {
          in_percent(round ? c.mean_circularity : c.mean_shape_error, 2) + " on average, " +
          in_percent(round ? c.worst_circularity : c.worst_shape_error, 2) + " at worst     area off by " +
          in_percent(c.mean_area_error, 2) + " on average";
+}
+
+std::string found_caption(int coils, int figures, double loose_mm2) {
+  const auto counted = [](int n, const char* one, const char* several) {
+    return (n == 0 ? std::string("no") : std::to_string(n)) + (n == 1 ? one : several);
+  };
+  std::string out = counted(coils, " coil", " coils");
+  if (figures > 0) out += " and " + counted(figures, " other figure", " other figures");
+  out += coils + figures == 1 ? " was found" : " were found";
+  out[0] = out[0] == 'n' ? 'N' : out[0];
+  if (loose_mm2 >= 0.05) out += "; " + decimal(loose_mm2, 1) + " mm² of ink belong to none";
+  return out + ".";
 }
 
 std::string ink_caption(double printed, double on_head) {

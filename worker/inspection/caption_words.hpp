@@ -11,7 +11,10 @@ namespace vacuform {
 // "6 of 19 coils on the head: out of round by 0.10 % on average, 0.20 % at worst     area off by 0.05 % on average". If
 // one of the coils on the head is not drawn as a circle, says how far they are off their drawn shape instead. Without a
 // coil on the head, only the count. Figures are those of one way of printing; the table has at least one coil.
-std::string coils_caption(const CoilTable& table, CoilSummary CoilTable::*way);
+std::string coils_caption(const CoilTable& table, Way way);
+
+// What was found in a drawing: "7 coils and 2 other figures were found; 3.1 mm² of ink belong to none."
+std::string found_caption(int coils, int figures, double loose_mm2);
 
 // Where the drawing's ink goes: `printed` and `on_head` are shares of it in [0, 1], on_head at most printed. A share of
 // 99.95 % or more counts as all.

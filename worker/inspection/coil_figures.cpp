@@ -9,6 +9,7 @@
 #include "worker/pattern/drawn_loop.hpp"
 #include "worker/stage/index.hpp"
 #include "worker/stage/parallel.hpp"
+#include "worker/stage/sub_progress.hpp"
 
 namespace vacuform {
 
@@ -18,12 +19,10 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 constexpr double near_miss = 1.15;  // of the sum of the radii: loops this close are neighbours
 
-double area_of(const std::vector<Vector2d>& line) { return std::abs(signed_area(line)); }
-
 // Counter-clockwise on the sheet, so that the sign of a coupling is that of the overlap and does not depend on how a
-// loop was drawn.
+// loop was drawn. A figure of eight runs as it was drawn.
 std::vector<Vector2d> counter_clockwise(std::vector<Vector2d> line) {
-  if (signed_area(line) < 0) std::reverse(line.begin(), line.end());
+  if (signed_area(line) < -0.01 * lobes_area(line)) std::reverse(line.begin(), line.end());
   return line;
 }
 
@@ -31,21 +30,6 @@ Vector2d middle_of(const std::vector<Vector2d>& line) {
   Vector2d sum(0, 0);
   for (const Vector2d& p : line) sum += p;
   return sum / static_cast<double>(std::max<std::size_t>(1, line.size()));
-}
-
-// The printed loop of the kind that was drawn: the rest of a loop that the border cuts is not a loop with a gap.
-std::vector<Vector2d> printed_loop(const VectorPrint& print, const std::string& id, const DrawnLoop& drawn) {
-  std::optional<DrawnLoop> out;
-  const auto take = [&](std::optional<DrawnLoop> loop) {
-    if (loop && loop->lines == drawn.lines && (!out || loop->area_mm2 > out->area_mm2)) out = std::move(loop);
-  };
-  for (const PrintedElement& element : print.elements) {
-    if (element.id != id) continue;
-    std::vector<LoopLine> lines;
-    for (const Centreline& line : element.centrelines) lines.push_back(loop_line(line.curve, line.width_mm));
-    take(drawn.kind == DrawnLoop::Kind::gapped_line ? gapped_line(lines) : closed_line(lines));
-  }
-  return out ? std::move(out->line) : std::vector<Vector2d>();
 }
 
 // About 120 points of the outline.
@@ -56,38 +40,123 @@ std::vector<Vector3d> conductor(const LoopFigures& loop) {
   return line;
 }
 
-CoilFigures figures_of(const LoopFigures& loop, const ShapeDistance& shape, const CoilLoops& coil) {
+// The plain drawing has no decoupling.
+double size_of(const CoilLoops& coil, Way way) { return way == Way::with ? coil.size : 1; }
+
+CoilFigures figures_of(const LoopFigures& loop, const ShapeDistance& shape, const CoilLoops& coil,
+                       double size) {
   CoilFigures out;
   out.on_head = loop.on_head;
   out.centre = loop.centre;
   out.diameter_mm = loop.diameter_mm;
-  out.diameter_error = loop.diameter_mm / (coil.drawn_diameter_mm * coil.size) - 1;
+  out.diameter_error = loop.diameter_mm / (coil.drawn_diameter_mm * size) - 1;
   out.circularity = loop.circularity;
   out.shape = shape;
-  out.shape_error = shape.largest_mm / (coil.drawn_diameter_mm * coil.size);
+  out.shape_error = shape.largest_mm / (coil.drawn_diameter_mm * size);
   out.area_mm2 = loop.area_mm2;
-  out.area_error = loop.area_mm2 / (coil.drawn_area_mm2 * coil.size * coil.size) - 1;
+  out.area_error = loop.area_mm2 / (coil.drawn_area_mm2 * size * size) - 1;
   out.worst_stretch = loop.worst_stretch;
   if (coil.trace_mm > 0) out.inductance_nh = self_inductance_nh(conductor(loop), coil.trace_mm);
   return out;
 }
 
+// The loops as they come out one way.
+struct FormedLoops {
+  std::vector<std::optional<LoopFigures>> loops;
+  std::vector<ShapeDistance> shapes;  // of the loops, from what was drawn
+  std::vector<double> pairs_mm;       // geodesic distances of the centres; NaN where a loop is missing
+};
+
+// Calls work(i) for each of [0, count), a few at a time so that a cancellation takes effect soon.
+template <class Work>
+Result<void> in_batches(std::size_t count, const Context& context, const Work& work) {
+  constexpr std::size_t batch = 4;
+  for (std::size_t begin = 0; begin < count; begin += batch) {
+    VACUFORM_CHECK(context.step(Stage::inspection, static_cast<double>(begin) / static_cast<double>(count)));
+    in_parallel(static_cast<int>(begin), static_cast<int>(std::min(begin + batch, count)),
+                [&](int first, int last) {
+                  for (int i = first; i < last; ++i) work(static_cast<std::size_t>(i));
+                });
+  }
+  return {};
+}
+
+Result<Both<FormedLoops>> measure_loops(const MeasuredSheet& sheet, const std::vector<CoilLoops>& coils,
+                                        const std::vector<NeighbourLoops>& pairs, CoilKeep keep,
+                                        const Context& context) {
+  Both<FormedLoops> out;
+  for (const Way way : both_ways) {
+    out[way].loops.resize(coils.size());
+    out[way].shapes.resize(coils.size());
+    out[way].pairs_mm.resize(pairs.size(), std::nan(""));
+  }
+  const double all = static_cast<double>(std::max<std::size_t>(1, coils.size() + pairs.size())),
+               share = static_cast<double>(coils.size()) / all;
+  const SubProgress of_coils(context, {Stage::inspection, 0, share}),
+      of_pairs(context, {Stage::inspection, share, 1});
+  VACUFORM_CHECK(in_batches(coils.size(), of_coils.context(), [&](std::size_t i) {
+    for (const Way way : both_ways) {
+      const FlatLoop& loop = coils[i][way];
+      if (loop.line.empty()) continue;
+      auto& figures = out[way].loops[i] = measure_loop(sheet, loop.line, loop.near, keep);
+      if (!figures) continue;
+      std::vector<Vector2d> drawn = coils[i].drawn;
+      for (Vector2d& p : drawn) p *= size_of(coils[i], way);
+      out[way].shapes[i] = shape_distance(figures->shape, drawn);
+    }
+  }));
+  VACUFORM_CHECK(in_batches(pairs.size(), of_pairs.context(), [&](std::size_t i) {
+    for (const Way way : both_ways) {
+      const auto &a = out[way].loops[index(pairs[i].a)], &b = out[way].loops[index(pairs[i].b)];
+      if (a && b) out[way].pairs_mm[i] = geodesic_distance(sheet, a->centre_rest, b->centre_rest);
+    }
+  }));
+  return out;
+}
+
 // All pairs of coils that have figures for one way of printing.
-Result<CouplingMatrix> couplings(const CoilTable& table, const std::vector<std::optional<LoopFigures>>& found,
-                                 std::optional<CoilFigures> Coil::*way, std::size_t offset,
+Result<CouplingMatrix> couplings(const CoilTable& table, const FormedLoops& formed, Way way,
                                  const Context& context) {
   std::vector<InductiveLoop> loops(table.coils.size());
   for (std::size_t i = 0; i < loops.size(); ++i)
-    if (const auto& figures = table.coils[i].*way; figures && figures->inductance_nh)
-      loops[i] = {conductor(*found[2 * i + offset]), *figures->inductance_nh};
+    if (const auto& figures = table.coils[i][way]; figures && figures->inductance_nh)
+      loops[i] = {conductor(*formed.loops[i]), *figures->inductance_nh};
   return coupling_matrix(loops, Stage::inspection, 1, context);
 }
 
-CoilSummary summary_of(const CoilTable& table, std::optional<CoilFigures> Coil::*way,
-                       std::optional<PairFigures> CoilPair::*pair_way) {
+Coil coil_row(const CoilLoops& coil, const Both<FormedLoops>& formed, std::size_t i) {
+  Coil row;
+  row.id = coil.id;
+  row.drawn_diameter_mm = coil.drawn_diameter_mm;
+  row.drawn_area_mm2 = coil.drawn_area_mm2;
+  row.drawn_circularity = coil.drawn_circularity;
+  row.size = coil.size;
+  row.moved_mm = coil.moved_mm;
+  row.smooth = coil.smooth;
+  for (const Way way : both_ways)
+    if (const auto& loop = formed[way].loops[i])
+      row[way] = figures_of(*loop, formed[way].shapes[i], coil, size_of(coil, way));
+  return row;
+}
+
+// Two neighbours one way; `mm` is the distance of their centres.
+PairFigures pair_figures(const NeighbourLoops& pair, const std::vector<CoilLoops>& coils,
+                         const FormedLoops& formed, const CouplingMatrix& k, double mm) {
+  const auto a = index(pair.a), b = index(pair.b);
+  const LoopFigures &one = *formed.loops[a], &other = *formed.loops[b];
+  PairFigures figures{mm, (one.diameter_mm + other.diameter_mm) / 2 - mm, {}};
+  if (coils[a].trace_mm > 0 && coils[b].trace_mm > 0)
+    figures.k = k.count() > 0
+                    ? k(pair.a, pair.b)
+                    : coupling(conductor(one), coils[a].trace_mm, conductor(other), coils[b].trace_mm);
+  return figures;
+}
+
+CoilSummary summary_of(const CoilTable& table, const FormedLoops& formed, Way way,
+                       const MeasuredSheet& sheet) {
   CoilSummary out;
   const auto counts = [&](int i) {
-    const auto& figures = table.coils[static_cast<std::size_t>(i)].*way;
+    const auto& figures = table.coils[index(i)][way];
     return figures && figures->on_head;
   };
   const auto take = [](double value, double& sum, double& worst) {
@@ -95,8 +164,8 @@ CoilSummary summary_of(const CoilTable& table, std::optional<CoilFigures> Coil::
   };
   for (int i = 0; i < static_cast<int>(table.coils.size()); ++i) {
     if (!counts(i)) continue;
-    const CoilFigures& f = *(table.coils[static_cast<std::size_t>(i)].*way);
-    const Coil& coil = table.coils[static_cast<std::size_t>(i)];
+    const Coil& coil = table.coils[index(i)];
+    const CoilFigures& f = *coil[way];
     ++out.coils;
     out.round += coil.round();
     if (coil.round()) take(f.circularity, out.mean_circularity, out.worst_circularity);
@@ -109,8 +178,8 @@ CoilSummary summary_of(const CoilTable& table, std::optional<CoilFigures> Coil::
     *mean /= std::max(1, out.coils);
   double squares = 0;
   for (const CoilPair& pair : table.pairs) {
-    if (!counts(pair.a) || !counts(pair.b) || !(pair.*pair_way)) continue;
-    const PairFigures& f = *(pair.*pair_way);
+    if (!counts(pair.a) || !counts(pair.b) || !pair[way]) continue;
+    const PairFigures& f = *pair[way];
     ++out.pairs;
     squares += (f.mm - pair.drawn_mm) * (f.mm - pair.drawn_mm);
     out.worst_spacing_mm = std::max(out.worst_spacing_mm, std::abs(f.mm - pair.drawn_mm));
@@ -118,6 +187,12 @@ CoilSummary summary_of(const CoilTable& table, std::optional<CoilFigures> Coil::
       out.strongest_neighbours = CoupledPair{pair.a, pair.b, f.mm, *f.k};
   }
   out.spacing_rms_mm = std::sqrt(squares / std::max(1, out.pairs));
+  if (const auto strongest = strongest_pair(table.k[way], counts)) {
+    const auto centre = [&](int i) { return formed.loops[index(i)]->centre_rest; };
+    out.strongest =
+        CoupledPair{strongest->a, strongest->b,
+                    geodesic_distance(sheet, centre(strongest->a), centre(strongest->b)), strongest->k};
+  }
   return out;
 }
 
@@ -132,8 +207,8 @@ std::vector<CoilLoops> coil_loops(const Drawing& drawing, const Placement& place
   std::vector<CoilLoops> coils;
   for (std::size_t i = 0; i < drawing.elements.size(); ++i) {
     const Element& element = drawing.elements[i];
-    const auto drawn = element.id.empty() ? std::nullopt : drawn_loop(element);
-    if (!drawn) continue;
+    const auto& drawn = element.loop;
+    if (!drawn || element.id.empty()) continue;
     const PlaneLoopFigures flat = measure_plane_loop(drawn->line);
     CoilLoops coil;
     coil.id = element.id;
@@ -142,7 +217,8 @@ std::vector<CoilLoops> coil_loops(const Drawing& drawing, const Placement& place
     coil.drawn_area_mm2 = alignment.scale * alignment.scale * flat.area_mm2;
     coil.drawn_circularity = flat.circularity;
     for (const Vector2d& p : counter_clockwise(drawn->line)) coil.drawn.push_back(alignment.scale * p);
-    coil.with = {printed_loop(print, element.id, *drawn), {0, 0}};
+    for (const PrintedElement& printed : print.elements)
+      if (printed.id == element.id && printed.loop) coil.with.line = loop_line(*printed.loop, 0).points;
     coil.with.near = middle_of(coil.with.line);
     for (const PlacedElement& placed : placement.elements)
       if (placed.element == static_cast<int>(i)) {
@@ -156,9 +232,6 @@ std::vector<CoilLoops> coil_loops(const Drawing& drawing, const Placement& place
     coil.without.near = plain(flat.centre);
     coil.with.line = counter_clockwise(std::move(coil.with.line));
     coil.without.line = counter_clockwise(std::move(coil.without.line));
-    // The rest of a coil that runs off its patch may be a smaller loop.
-    const double expected = area_of(coil.without.line) * coil.size * coil.size;
-    if (area_of(coil.with.line) < 0.2 * expected) coil.with.line.clear();
     coils.push_back(std::move(coil));
   }
   return coils;
@@ -168,10 +241,7 @@ std::vector<NeighbourLoops> neighbours(const std::vector<CoilLoops>& coils, cons
                                        const Drawing& drawing) {
   std::map<std::pair<int, int>, std::optional<double>> pairs;  // with the coupling before decoupling
   const auto coil_of = [&](int placed) {
-    const auto& id =
-        drawing
-            .elements[static_cast<std::size_t>(placement.elements[static_cast<std::size_t>(placed)].element)]
-            .id;
+    const auto& id = drawing.elements[placement.elements[static_cast<std::size_t>(placed)].element].id;
     const auto found =
         std::find_if(coils.begin(), coils.end(), [&](const CoilLoops& coil) { return coil.id == id; });
     return found == coils.end() ? -1 : static_cast<int>(found - coils.begin());
@@ -184,7 +254,7 @@ std::vector<NeighbourLoops> neighbours(const std::vector<CoilLoops>& coils, cons
   if (placement.pairs.empty())
     for (int a = 0; a < count; ++a)
       for (int b = a + 1; b < count; ++b) {
-        const auto &p = coils[static_cast<std::size_t>(a)], &q = coils[static_cast<std::size_t>(b)];
+        const auto &p = coils[a], &q = coils[b];
         const double radii = (p.drawn_diameter_mm + q.drawn_diameter_mm) / 2;
         if ((p.drawn_centre - q.drawn_centre).norm() <= near_miss * radii)
           pairs.emplace(std::pair(a, b), std::nullopt);
@@ -194,101 +264,30 @@ std::vector<NeighbourLoops> neighbours(const std::vector<CoilLoops>& coils, cons
   return out;
 }
 
-Result<CoilTable> measure_coils(const MeasuredSheet& measured, const std::vector<CoilLoops>& loops,
+Result<CoilTable> measure_coils(const MeasuredSheet& sheet, const std::vector<CoilLoops>& loops,
                                 const std::vector<NeighbourLoops>& pairs, std::optional<CoilKeep> keep,
                                 const Context& context) {
-  // Two loops a coil, then two ways a pair, a few at a time so that a cancellation takes effect soon.
-  const int coils = static_cast<int>(loops.size()), all = 2 * (coils + static_cast<int>(pairs.size()));
-  std::vector<std::optional<LoopFigures>> found(static_cast<std::size_t>(2 * coils));
-  std::vector<ShapeDistance> shapes(found.size());
-  std::vector<double> distances(2 * pairs.size(), std::nan(""));
-  const auto work = [&](int item) {
-    const bool with = item % 2 == 0;
-    if (item < 2 * coils) {
-      const CoilLoops& coil = loops[static_cast<std::size_t>(item / 2)];
-      const FlatLoop& loop = with ? coil.with : coil.without;
-      if (loop.line.empty()) return;
-      auto& figures = found[static_cast<std::size_t>(item)] =
-          measure_loop(measured, loop.line, loop.near, keep.value_or(CoilKeep::area));
-      if (!figures) return;
-      std::vector<Vector2d> drawn = coil.drawn;
-      for (Vector2d& p : drawn) p *= with ? coil.size : 1;  // the plain drawing has no decoupling
-      shapes[static_cast<std::size_t>(item)] = shape_distance(figures->shape, drawn);
-      return;
-    }
-    const auto pair = static_cast<std::size_t>(item / 2 - coils);
-    const auto of = [&](int coil) -> const auto& { return found[index(2 * coil + item % 2)]; };
-    const auto &a = of(pairs[pair].a), &b = of(pairs[pair].b);
-    if (a && b)
-      distances[static_cast<std::size_t>(item - 2 * coils)] =
-          geodesic_distance(measured, a->centre_rest, b->centre_rest);
-  };
-  constexpr int batch = 4;
-  for (int begin = 0; begin < all;) {
-    VACUFORM_CHECK(context.step(Stage::inspection, static_cast<double>(begin) / all));
-    // Pairs need the coils' centres.
-    const int end = std::min(begin + batch, begin < 2 * coils ? 2 * coils : all);
-    in_parallel(begin, end, [&](int first, int last) {
-      for (int item = first; item < last; ++item) work(item);
-    });
-    begin = end;
-  }
-
+  VACUFORM_TRY(formed, measure_loops(sheet, loops, pairs, keep.value_or(CoilKeep::area), context));
   CoilTable table;
   table.keep = keep;
-  for (std::size_t i = 0; i < loops.size(); ++i) {
-    const CoilLoops& coil = loops[i];
-    Coil& row = table.coils.emplace_back();
-    row = {coil.id,   coil.drawn_diameter_mm, coil.drawn_area_mm2, coil.drawn_circularity,
-           coil.size, coil.moved_mm,          coil.smooth,         {},
-           {}};
-    if (found[2 * i]) row.with = figures_of(*found[2 * i], shapes[2 * i], coil);
-    if (found[2 * i + 1]) {
-      CoilLoops as_drawn = coil;  // the plain drawing has no decoupling
-      as_drawn.size = 1;
-      row.without = figures_of(*found[2 * i + 1], shapes[2 * i + 1], as_drawn);
+  for (std::size_t i = 0; i < loops.size(); ++i) table.coils.push_back(coil_row(loops[i], formed, i));
+  if (loops.size() <= most_coupled_coils)
+    for (const Way way : both_ways) {
+      VACUFORM_TRY(k, couplings(table, formed[way], way, context));
+      table.k[way] = std::move(k);
     }
-  }
-  if (coils <= most_coupled_coils) {
-    VACUFORM_TRY(with, couplings(table, found, &Coil::with, 0, context));
-    VACUFORM_TRY(without, couplings(table, found, &Coil::without, 1, context));
-    table.k_with = std::move(with), table.k_without = std::move(without);
-  }
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const auto a = static_cast<std::size_t>(pairs[i].a), b = static_cast<std::size_t>(pairs[i].b);
+    const CoilLoops &a = loops[index(pairs[i].a)], &b = loops[index(pairs[i].b)];
     CoilPair& row = table.pairs.emplace_back();
     row.a = pairs[i].a, row.b = pairs[i].b;
     row.k_before = pairs[i].k_before;
-    row.drawn_mm = (loops[a].drawn_centre - loops[b].drawn_centre).norm();
-    row.drawn_overlap_mm = (loops[a].drawn_diameter_mm + loops[b].drawn_diameter_mm) / 2 - row.drawn_mm;
-    for (const std::size_t way : {0, 1}) {
-      const double mm = distances[2 * i + way];
-      if (!std::isfinite(mm)) continue;
-      const LoopFigures &one = *found[2 * a + way], &other = *found[2 * b + way];
-      PairFigures figures{mm, (one.diameter_mm + other.diameter_mm) / 2 - mm, {}};
-      const CouplingMatrix& k = way == 0 ? table.k_with : table.k_without;
-      if (loops[a].trace_mm > 0 && loops[b].trace_mm > 0)
-        figures.k = k.count() > 0
-                        ? k(pairs[i].a, pairs[i].b)
-                        : coupling(conductor(one), loops[a].trace_mm, conductor(other), loops[b].trace_mm);
-      (way == 0 ? row.with : row.without) = figures;
-    }
+    row.drawn_mm = (a.drawn_centre - b.drawn_centre).norm();
+    row.drawn_overlap_mm = (a.drawn_diameter_mm + b.drawn_diameter_mm) / 2 - row.drawn_mm;
+    for (const Way way : both_ways)
+      if (const double mm = formed[way].pairs_mm[i]; std::isfinite(mm))
+        row[way] = pair_figures(pairs[i], loops, formed[way], table.k[way], mm);
   }
-  table.with = summary_of(table, &Coil::with, &CoilPair::with);
-  table.without = summary_of(table, &Coil::without, &CoilPair::without);
-  for (const std::size_t way : {0, 1}) {
-    const auto on_head = [&](int i) {
-      const auto& figures =
-          table.coils[static_cast<std::size_t>(i)].*(way == 0 ? &Coil::with : &Coil::without);
-      return figures && figures->on_head;
-    };
-    const auto strongest = strongest_pair(way == 0 ? table.k_with : table.k_without, on_head);
-    if (!strongest) continue;
-    const auto centre = [&](int i) { return found[2 * static_cast<std::size_t>(i) + way]->centre_rest; };
-    (way == 0 ? table.with : table.without).strongest =
-        CoupledPair{strongest->a, strongest->b,
-                    geodesic_distance(measured, centre(strongest->a), centre(strongest->b)), strongest->k};
-  }
+  for (const Way way : both_ways) table[way] = summary_of(table, formed[way], way, sheet);
   return table;
 }
 

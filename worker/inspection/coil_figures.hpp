@@ -9,6 +9,7 @@
 
 #include "worker/coils/coupling_matrix.hpp"
 #include "worker/flattening/flattening.hpp"
+#include "worker/inspection/both.hpp"
 #include "worker/inspection/shape_distance.hpp"
 #include "worker/placement/alignment.hpp"
 #include "worker/printing/vector_print.hpp"
@@ -23,7 +24,7 @@ struct FlatLoop {
 };
 
 // The target from the drawing at pattern.scale, and both ways of printing it.
-struct CoilLoops {
+struct CoilLoops : Both<FlatLoop> {
   std::string id;
   Eigen::Vector2d drawn_centre{0, 0};  // mm, at pattern.scale
   double drawn_diameter_mm = 0;        // twice the mean radius from its least squares centre
@@ -34,7 +35,6 @@ struct CoilLoops {
   double moved_mm = 0;                 // by the placement, from where the chart puts it
   double trace_mm = 0;                 // width of the line once formed
   bool smooth = true;                  // see PlacedElement
-  FlatLoop with, without;
 };
 
 // The coils of the drawing, in its order: `with` from the print, `without` from the drawing laid flat on the sheet. The
@@ -67,12 +67,13 @@ struct CoilFigures {
   double worst_stretch = 1;         // of the plastic along the trace, formed length / flat length
   std::optional<double> inductance_nh;
 };
-struct Coil {
+// A way has no figures if the coil lies off the sheet, or is not printed whole.
+struct Coil : Both<std::optional<CoilFigures>> {
   std::string id;
   double drawn_diameter_mm = 0, drawn_area_mm2 = 0, drawn_circularity = 0, size = 1, moved_mm = 0;
   bool smooth = true;
-  std::optional<CoilFigures> with, without;  // nothing where it lies off the sheet, or is not printed whole
 
+  double radius_mm() const { return size * drawn_diameter_mm / 2; }
   // Drawn as a circle, so that circularity shows the accuracy. Other shapes are only compared with the drawn shape.
   bool round() const { return drawn_circularity < 0.005; }
 };
@@ -82,11 +83,10 @@ struct PairFigures {
   double overlap_mm = 0;    // sum of the radii less that distance; negative: a gap
   std::optional<double> k;  // coupling
 };
-struct CoilPair {
+struct CoilPair : Both<std::optional<PairFigures>> {
   int a = 0, b = 0;                           // indices into coils
   double drawn_mm = 0, drawn_overlap_mm = 0;  // in the drawing at pattern.scale
   std::optional<double> k_before;             // before decoupling
-  std::optional<PairFigures> with, without;
 };
 
 // Two coils on the head, and how they couple.
@@ -109,17 +109,17 @@ struct CoilSummary {
   std::optional<CoupledPair> strongest;             // of all pairs of coils, neighbours or not, by |k|
 };
 
-// Above this many coils only neighbours are coupled: CoilTable::k_with is empty.
+// Above this many coils only neighbours are coupled: CoilTable::k is empty.
 inline constexpr int most_coupled_coils = 256;
 
 class MeasuredSheet;
 
-struct CoilTable {
+// All coils, with the summary of each way.
+struct CoilTable : Both<CoilSummary> {
   std::vector<Coil> coils;
   std::vector<CoilPair> pairs;
-  CoilSummary with, without;
   // Of all coils, by their index; NaN of coils that lack figures or an inductance.
-  CouplingMatrix k_with, k_without;
+  Both<CouplingMatrix> k;
   // What the coils preserve, and what shape_error therefore compares: their shape at the drawn area, or at the drawn
   // distances from their centre along the surface. Empty: laid on charts, which preserve neither; compared by area.
   std::optional<CoilKeep> keep;

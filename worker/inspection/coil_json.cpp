@@ -32,9 +32,7 @@ Json figures_json(const std::optional<PairFigures>& figures) {
           {"k", rounded(figures->k, 5)}};
 }
 
-const std::string& id(const CoilTable& table, int coil) {
-  return table.coils[static_cast<std::size_t>(coil)].id;
-}
+const std::string& id(const CoilTable& table, int coil) { return table.coils[coil].id; }
 
 Json pair_json(const CoilTable& table, const std::optional<CoupledPair>& pair) {
   if (!pair) return nullptr;
@@ -71,8 +69,8 @@ Json pairs_json(const CoilTable& table) {
   return out;
 }
 
-Json summary_json(const CoilTable& table, CoilSummary CoilTable::*way) {
-  const CoilSummary& s = table.*way;
+Json summary_json(const CoilTable& table, Way way) {
+  const CoilSummary& s = table[way];
   if (s.coils == 0) return nullptr;
   const bool pairs = s.pairs > 0;
   const Json none = nullptr;
@@ -97,15 +95,14 @@ Json summary_json(const CoilTable& table, CoilSummary CoilTable::*way) {
 
 Json couplings_json(const CoilTable& table) {
   std::vector<int> on_head;
-  for (int i = 0; i < table.k_with.count(); ++i)
-    if (const auto& with = table.coils[static_cast<std::size_t>(i)].with; with && with->on_head)
-      on_head.push_back(i);
+  for (int i = 0; i < table.k.with.count(); ++i)
+    if (const auto& with = table.coils[i].with; with && with->on_head) on_head.push_back(i);
   if (on_head.size() < 2) return nullptr;
   Json ids = Json::array(), rows = Json::array();
   for (const int a : on_head) {
     ids.push_back(id(table, a));
     Json row = Json::array();
-    for (const int b : on_head) row.push_back(rounded(table.k_with(a, b), 5));
+    for (const int b : on_head) row.push_back(rounded(table.k.with(a, b), 5));
     rows.push_back(std::move(row));
   }
   return {{"coils", std::move(ids)}, {"k", std::move(rows)}};

@@ -1,9 +1,14 @@
 #include "worker/inspection/coil_warnings.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <utility>
 
 #include "api/base/decimal.hpp"
 #include "worker/coils/coupled_neighbours.hpp"
+#include "worker/stage/index.hpp"
 
 namespace vacuform {
 
@@ -43,6 +48,28 @@ Warning out_of_shape(const std::vector<const Coil*>& worst_first, int on_head) {
   return warning;
 }
 
+std::vector<CoupledLoops> coupled_on_head(const CoilTable& table) {
+  std::vector<CoupledLoops> out;
+  std::set<std::pair<int, int>> neighbours;
+  const auto add = [&](int i, int j, double k, std::optional<double> mm) {
+    const Coil &a = table.coils[index(i)], &b = table.coils[index(j)];
+    if (!a.with || !a.with->on_head || !b.with || !b.with->on_head) return;
+    out.push_back(
+        {a.id, b.id, k, mm.value_or((a.with->centre - b.with->centre).norm()),
+         (a.with->centre + b.with->centre) / 2, mm.has_value(),
+         (a.with->centre - b.with->centre).norm() < overlap_share * (a.radius_mm() + b.radius_mm())});
+  };
+  for (const CoilPair& pair : table.pairs) {
+    neighbours.insert(std::minmax(pair.a, pair.b));
+    if (pair.with && pair.with->k) add(pair.a, pair.b, *pair.with->k, pair.with->mm);
+  }
+  for (int a = 0; a < table.k.with.count(); ++a)
+    for (int b = a + 1; b < table.k.with.count(); ++b)
+      if (const double k = table.k.with(a, b); std::abs(k) >= unnulled_k && !neighbours.contains({a, b}))
+        add(a, b, k, std::nullopt);
+  return out;
+}
+
 }  // namespace
 
 std::vector<Warning> coil_warnings(const CoilTable& table, bool decoupled) {
@@ -64,14 +91,8 @@ std::vector<Warning> coil_warnings(const CoilTable& table, bool decoupled) {
          .figure = Warning::Figure{table.with.spacing_rms_mm, "mm", most_spacing_mm},
          .place = std::to_string(table.with.pairs) + " pairs of neighbours on the head"});
 
-  std::vector<CoupledNeighbours> pairs;
-  for (const CoilPair& pair : table.pairs) {
-    const Coil &a = table.coils[static_cast<std::size_t>(pair.a)],
-               &b = table.coils[static_cast<std::size_t>(pair.b)];
-    if (a.with && a.with->on_head && b.with && b.with->on_head && pair.with && pair.with->k)
-      pairs.push_back({a.id, b.id, *pair.with->k, pair.with->mm, (a.with->centre + b.with->centre) / 2});
-  }
-  if (auto warning = coupling_warning(pairs, decoupled)) warnings.push_back(std::move(*warning));
+  if (auto warning = coupling_warning(coupled_on_head(table), decoupled))
+    warnings.push_back(std::move(*warning));
   return warnings;
 }
 

@@ -9,6 +9,7 @@
 
 #include "worker/colour/colour_difference.hpp"
 #include "worker/png/png_reader.hpp"
+#include "worker/printing/colour_ink.hpp"
 #include "worker/printing/colour_raster.hpp"
 #include "worker/stage/parallel.hpp"
 #include "worker/surface/plane_locator.hpp"
@@ -48,7 +49,7 @@ struct ComparedRow {
 struct PixelGrid {
   int step, first, first_row, rows, columns;
 
-  PixelGrid(const Print& print, const PixelBox& box, double apart_mm)
+  PixelGrid(const PrintGrid& print, const PixelBox& box, double apart_mm)
       : step(std::max(1, static_cast<int>(std::lround(apart_mm / print.pixel_mm)))),
         first(step / 2),
         first_row(first + (std::max(0, box.top - first) + step - 1) / step * step),
@@ -60,10 +61,10 @@ struct PixelGrid {
 
 // Their colours on white in linear light, row after row, before any mirroring.
 std::vector<Vector3f> printed_colours(const Print& print, const PixelGrid& grid) {
-  const std::vector<std::uint8_t>& png = print.colours ? print.colours->png : print.png;
+  const Layer& layer = *print.coloured();
   std::vector<Vector3f> out;
   out.reserve(static_cast<std::size_t>(grid.rows) * static_cast<std::size_t>(grid.columns));
-  PngReader reader(png);
+  PngReader reader(layer.files.png);
   if (!reader.begin(PngReader::Rows::rgba8) || reader.passes() != 1)
     throw std::logic_error("the print cannot be read again");
   std::vector<std::uint8_t> line(reader.row_bytes());
@@ -72,7 +73,7 @@ std::vector<Vector3f> printed_colours(const Print& print, const PixelGrid& grid)
       if (!reader.row(line.data())) throw std::logic_error("the print cannot be read again");
     print.profile.convert_back(line);
     for (int k = 0; k < grid.columns; ++k) {
-      const int x = print.mirrored ? print.width - 1 - grid.column(k) : grid.column(k);
+      const int x = layer.mirrored() ? print.grid.width - 1 - grid.column(k) : grid.column(k);
       const std::uint8_t* p = &line[4 * static_cast<std::size_t>(x)];
       Vector3f colour;
       for (int c = 0; c < 3; ++c)
@@ -86,20 +87,18 @@ std::vector<Vector3f> printed_colours(const Print& print, const PixelGrid& grid)
 
 class Comparison {
  public:
-  Comparison(const SheetColours& colours, const ColourRaster& raster, const Print& print,
-             const ColourInk* ink, const PixelGrid& grid)
-      : colours_(colours),
-        print_(print),
-        ink_(ink),
+  Comparison(const Print& print, const ColourRaster& raster, const PixelGrid& grid)
+      : colours_(*print.coloured()->source->colours()),
+        print_(print.grid),
         grid_(grid),
-        sheet_(colours.sheet()),
+        sheet_(colours_.on_sheet.sheet()),
         locator_(sheet_.triangles, sheet_.rest),
         origins_(static_cast<std::size_t>(grid.rows)) {
     together([&] { printed_ = printed_colours(print, grid); },
              [&] {
                in_parallel(0, grid.rows, [&](int first, int last) {
                  for (int i = first; i < last; ++i)
-                   origins_[static_cast<std::size_t>(i)] = raster.origins(grid.row(i), grid.first, grid.step);
+                   origins_[i] = raster.origins(grid.row(i), grid.first, grid.step);
                });
              });
   }
@@ -107,9 +106,9 @@ class Comparison {
   ComparedRow row(int i) const {
     ComparedRow out;
     const int y = grid_.row(i);
-    const auto& origins = origins_[static_cast<std::size_t>(i)];
+    const auto& origins = origins_[i];
     for (int k = 0; k < grid_.columns; ++k) {
-      const ColourRaster::Origin& origin = origins[static_cast<std::size_t>(k)];
+      const ColourRaster::Origin& origin = origins[k];
       if (!(origin.share > 0)) continue;
       const Vector3f& colour =
           printed_[static_cast<std::size_t>(i) * static_cast<std::size_t>(grid_.columns) +
@@ -133,10 +132,8 @@ class Comparison {
 
  private:
   ComparedPlace compared(const SheetPoint& at, const Vector3d& origin, const Vector3f& printed) const {
-    const Triangle& corners = sheet_.triangles[static_cast<std::size_t>(at.triangle)];
-    const auto side = [&](const auto& of, std::size_t k) {
-      return (of[static_cast<std::size_t>(corners[k])] - of[static_cast<std::size_t>(corners[0])]).eval();
-    };
+    const Triangle& corners = sheet_.triangles[at.triangle];
+    const auto side = [&](const auto& of, std::size_t k) { return (of[corners[k]] - of[corners[0]]).eval(); };
     Eigen::Matrix2d flat;
     flat << side(sheet_.rest, 1), side(sheet_.rest, 2);
     Eigen::Matrix<double, 3, 2> formed_sides;
@@ -147,28 +144,26 @@ class Comparison {
     ComparedPlace out{.at = at, .formed = formed.cast<float>()};
     out.position = static_cast<float>((formed - origin).norm());
     out.area = static_cast<float>(pixels * map.col(0).cross(map.col(1)).norm());
-    ColourWalk walk(colours_.surface(), map.col(0), -map.col(1));
-    if (const auto there = walk.at(formed, colours_.reach().end_mm() + beyond_mm)) {
+    ColourWalk walk(colours_.on_sheet.surface(), map.col(0), -map.col(1));
+    if (const auto there = walk.at(formed, colours_.on_sheet.reach().end_mm() + beyond_mm)) {
       out.along = static_cast<float>((there->place - origin).norm());
       out.colour = static_cast<float>(ciede2000(lab_of(seen(at, printed)), lab_of(there->linear)));
-      out.touches = there->distance_mm <= colours_.reach().touch_mm;
+      out.touches = there->distance_mm <= colours_.on_sheet.reach().touch_mm;
     }
     return out;
   }
 
   Vector3f seen(const SheetPoint& at, const Vector3f& printed) const {
-    if (!ink_) return printed;
-    const Triangle& corners = sheet_.triangles[static_cast<std::size_t>(at.triangle)];
+    if (!colours_.ink) return printed;
+    const Triangle& corners = sheet_.triangles[at.triangle];
     double ratio = 0;
     for (int k = 0; k < 3; ++k)
-      ratio +=
-          at.weights[k] * ink_->area_ratios[static_cast<std::size_t>(corners[static_cast<std::size_t>(k)])];
-    return ink_->seen(printed, static_cast<float>(ratio));
+      ratio += at.weights[k] * colours_.ink->area_ratios[corners[static_cast<std::size_t>(k)]];
+    return colours_.ink->seen(printed, static_cast<float>(ratio));
   }
 
-  const SheetColours& colours_;
-  const Print& print_;
-  const ColourInk* ink_;
+  const PrintedColours& colours_;
+  const PrintGrid& print_;
   const PixelGrid& grid_;
   const FormedSheet& sheet_;
   PlaneLocator locator_;
@@ -204,8 +199,7 @@ class AtVertices {
   void add(const SheetPoint& at, double value) {
     if (!std::isfinite(value)) return;
     for (int k = 0; k < 3; ++k) {
-      const auto v = static_cast<std::size_t>(
-          sheet_.triangles[static_cast<std::size_t>(at.triangle)][static_cast<std::size_t>(k)]);
+      const auto v = static_cast<std::size_t>(sheet_.triangles[at.triangle][k]);
       sum_[v] += at.weights[k] * value, weight_[v] += at.weights[k];
     }
   }
@@ -233,7 +227,7 @@ class AtVertices {
 
  private:
   std::size_t vertex(int triangle, std::size_t k) const {
-    return static_cast<std::size_t>(sheet_.triangles[static_cast<std::size_t>(triangle)][k]);
+    return static_cast<std::size_t>(sheet_.triangles[triangle][k]);
   }
 
   const FormedSheet& sheet_;
@@ -242,21 +236,21 @@ class AtVertices {
 
 }  // namespace
 
-Result<ColourErrors> colour_errors(const SheetColours& colours, const Print& print, const ColourInk* ink,
-                                   double resolution_mm, const Context& context) {
+Result<ColourErrors> colour_errors(const Print& print, double resolution_mm, const Context& context) {
   VACUFORM_CHECK(context.step(Stage::inspection, 0));
+  const SheetColours& colours = print.coloured()->source->colours()->on_sheet;
   const FormedSheet& sheet = colours.sheet();
   // So near that nearly every triangle of the sheet holds one.
   const double apart_mm = std::clamp(0.7 * resolution_mm, 0.7, 1.0);
-  const ColourRaster raster(colours, print.width, print.height, print.pixel_mm);
-  const PixelGrid grid(print, raster.box(), apart_mm);
-  const Comparison comparison(colours, raster, print, ink, grid);
+  const ColourRaster raster(colours, print.grid);
+  const PixelGrid grid(print.grid, raster.box(), apart_mm);
+  const Comparison comparison(print, raster, grid);
   std::vector<ComparedRow> rows(static_cast<std::size_t>(grid.rows));
   constexpr int batch = 64;
   for (int begin = 0; begin < grid.rows; begin += batch) {
     VACUFORM_CHECK(context.step(Stage::inspection, static_cast<double>(begin) / grid.rows));
     in_parallel(begin, std::min(begin + batch, grid.rows), [&](int first, int last) {
-      for (int i = first; i < last; ++i) rows[static_cast<std::size_t>(i)] = comparison.row(i);
+      for (int i = first; i < last; ++i) rows[i] = comparison.row(i);
     });
   }
 

@@ -11,17 +11,14 @@
 #include <vector>
 
 #include "worker/inspection/inspection.hpp"
-#include "worker/printing/colour_ink.hpp"
 
 namespace vacuform {
 
 // Errors of registration that people make when they lay a print onto the machine by its marks.
 inline constexpr double register_errors_mm[] = {0.5, 1};
 
-// `print` is that of make_print() for these colours; its file must be one that it wrote. `resolution_mm` is the spacing
-// of the sheet's grid; `ink` is what the print was compensated with, null without. Deterministic for any number of
-// threads. Errors: cancelled.
-Result<ColourErrors> colour_errors(const SheetColours& colours, const Print& print, const ColourInk* ink,
-                                   double resolution_mm, const Context& context);
+// Of the coloured layer of the print, whose PNG file must be one that make_print() wrote. `resolution_mm` is the spacing of
+// the sheet's grid. Deterministic for any number of threads. Errors: cancelled.
+Result<ColourErrors> colour_errors(const Print& print, double resolution_mm, const Context& context);
 
 }  // namespace vacuform

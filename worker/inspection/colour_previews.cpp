@@ -10,6 +10,7 @@
 #include "worker/inspection/colour_errors.hpp"
 #include "worker/inspection/side_marks.hpp"
 #include "worker/inspection/tiles.hpp"
+#include "worker/printing/colour_ink.hpp"
 
 namespace vacuform {
 
@@ -30,8 +31,7 @@ struct ShownScan {
 
 ShownScan shown_scan(const TriangleMesh& scan) {
   const auto before = [&](int a, int b) {
-    const Vector3d &p = scan.vertices[static_cast<std::size_t>(a)],
-                   &q = scan.vertices[static_cast<std::size_t>(b)];
+    const Vector3d &p = scan.vertices[a], &q = scan.vertices[b];
     return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
   };
   std::vector<int> order(scan.vertices.size()), joined(scan.vertices.size());
@@ -81,7 +81,8 @@ std::string direction_words(const Vector2d& towards) {
 
 Result<Picture> original_preview(const Finished& job, const View& view, const std::vector<Picture>& formed,
                                  const Context& context) {
-  const ColouredSurface& surface = job.colours->surface();
+  const SheetColours& colours = job.print.coloured()->source->colours()->on_sheet;
+  const ColouredSurface& surface = colours.surface();
   ShownScan scan = shown_scan(surface.mesh());
   const bool shadows = scan.mesh.vertices.size() <= most_shadowed;
   View of_scan(std::move(scan.mesh), view.shown(), view.letters(), tile_width, tile_height, tile_label, 0,
@@ -94,9 +95,8 @@ Result<Picture> original_preview(const Finished& job, const View& view, const st
                  of_scan.draw(
                      1,
                      [&](const Seen& seen, Rgb* colour) {
-                       const Eigen::Vector3f linear =
-                           surface.colour(scan.triangle[static_cast<std::size_t>(seen.triangle)],
-                                          Vector3d(seen.weights.data()), seen.spacing_mm);
+                       const Eigen::Vector3f linear = surface.colour(
+                           scan.triangle[seen.triangle], Vector3d(seen.weights.data()), seen.spacing_mm);
                        *colour = seen.light * linear.unaryExpr(&srgb_from_linear) + Rgb::Constant(seen.gloss);
                      },
                      context, 0.76 + 0.01 * static_cast<double>(i), 0.77 + 0.01 * static_cast<double>(i)));
@@ -109,7 +109,7 @@ Result<Picture> original_preview(const Finished& job, const View& view, const st
                              " on average, colour difference (CIEDE2000) " +
                              decimal(errors.colour.values.mean, 2) + " on average",
                          {},
-                         colours_caption(job.colours->area().faded_share())});
+                         colours_caption(colours.area().faded_share())});
 }
 
 Result<Picture> align_preview(const Finished& job, View& view, const ShadeShifted& shade,

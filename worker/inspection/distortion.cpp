@@ -50,7 +50,7 @@ std::vector<double> shares(const std::vector<Weighted>& values, const Bins& bins
   double area = 0;
   for (const Weighted& w : values) {
     const double bin = std::floor((w.value - bins.low) / bins.step);
-    sums[static_cast<std::size_t>(std::clamp(bin, 0.0, bins.count - 1.0))] += w.area;
+    sums[std::clamp(bin, 0.0, bins.count - 1.0)] += w.area;
     area += w.area;
   }
   for (double& sum : sums) sum /= area > 0 ? area : 1;
@@ -93,8 +93,8 @@ CornersUv corners_of(const FormedSheet& sheet, const Flattening& flattening,
                      const std::vector<Eigen::Vector2d>& uv) {
   CornersUv out;
   for (const int t : flattening.triangles) {
-    const Triangle& c = sheet.triangles[static_cast<std::size_t>(t)];
-    const auto at = [&](std::size_t k) { return uv[static_cast<std::size_t>(c[k])]; };
+    const Triangle& c = sheet.triangles[t];
+    const auto at = [&](std::size_t k) { return uv[c[k]]; };
     out.push_back({at(0), at(1), at(2)});
   }
   return out;
@@ -111,8 +111,8 @@ DistortionValues distortion_values(const InkedSurface& surface, const std::vecto
                                    const CornersUv& uv) {
   DistortionValues out;
   for (std::size_t i = 0; i < chart.size(); ++i) {
-    const Triangle& c = surface.triangles()[static_cast<std::size_t>(chart[i])];
-    const auto at = [&](std::size_t k) { return surface.inked()[static_cast<std::size_t>(c[k])]; };
+    const Triangle& c = surface.triangles()[chart[i]];
+    const auto at = [&](std::size_t k) { return surface.inked()[c[k]]; };
     add(uv[i], {at(0), at(1), at(2)}, out);
   }
   return out;

@@ -39,10 +39,10 @@ void add_vertex_figures(const Finished& job, Figures& out) {
   for (const int t : job.flattening.triangles) {
     std::array<Eigen::Vector2d, 3> from;
     std::array<Eigen::Vector3d, 3> to;
-    const auto& corners = job.sheet.triangles[static_cast<std::size_t>(t)];
+    const auto& corners = job.sheet.triangles[t];
     for (std::size_t k = 0; k < 3; ++k) {
-      from[k] = job.sheet.rest[static_cast<std::size_t>(corners[k])];
-      to[k] = job.surface.inked()[static_cast<std::size_t>(corners[k])];
+      from[k] = job.sheet.rest[corners[k]];
+      to[k] = job.surface.inked()[corners[k]];
     }
     const double formed = (to[1] - to[0]).cross(to[2] - to[0]).norm() / 2;
     const SingularValues s = singular_values(from, to);
@@ -77,9 +77,9 @@ void add_least_thickness(const Finished& job, Figures& out) {
   const auto least = [&](const std::vector<int>& triangles) {
     double whole = INFINITY, any = INFINITY;
     for (const int t : triangles) {
-      const auto& c = job.sheet.triangles[static_cast<std::size_t>(t)];
-      const auto rest = [&](std::size_t k) { return job.sheet.rest[static_cast<std::size_t>(c[k])]; };
-      const double thickness = job.sheet.element_thickness[static_cast<std::size_t>(t)];
+      const auto& c = job.sheet.triangles[t];
+      const auto rest = [&](std::size_t k) { return job.sheet.rest[c[k]]; };
+      const double thickness = job.sheet.element_thickness[t];
       any = std::min(any, thickness);
       if (std::abs(cross(rest(1) - rest(0), rest(2) - rest(0))) / 2 >= spacing * spacing / 4)
         whole = std::min(whole, thickness);

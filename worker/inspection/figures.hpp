@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "worker/inspection/both.hpp"
 #include "worker/inspection/coil_figures.hpp"
 #include "worker/inspection/stretched_traces.hpp"
 
@@ -44,10 +45,7 @@ struct Measured {
   CoilTable coils;
   TraceFigures traces;
   // Over the neighbourhoods of the elements that lie on the head, if the drawing has elements.
-  struct Elements {
-    Distortion with, without;
-  };
-  std::optional<Elements> elements = {};
+  std::optional<Both<Distortion>> elements = {};
   std::vector<Warning> warnings = {};  // of coils and traces
 };
 
@@ -90,8 +88,8 @@ struct ColourErrors {
   Change most_changed;
 };
 
-struct Figures {
-  WayFigures without, with;  // as drawn on the flat sheet, and as printed
+// Without: as drawn on the flat sheet. With: as printed.
+struct Figures : Both<WayFigures> {
   // Of the sheet's vertices. How forming changes the flat sheet, the mean over the triangles around, weighted by formed
   // area; NaN off the chart.
   std::vector<double> shape, area;

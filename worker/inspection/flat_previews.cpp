@@ -121,24 +121,24 @@ Picture print_preview(const Finished& job, const SheetPicture& print, int side) 
   const Frame frame(size, side);
   const double blur = 0.6 / frame.pixels_per_mm;
   const PlaneLocator chart(job.sheet.triangles, job.sheet.rest, job.flattening.triangles);
-  const bool gray = in_black(job);
+  const bool mirrored = job.print.top().mirrored();
+  const bool gray = in_black(job.print);
   Picture picture =
       painted(frame, side, [&](const Vector2d& start, const Vector2d& step, std::span<Rgb> out) {
         for (std::size_t k = 0; k < out.size(); ++k) {
           const Vector2d at = start + static_cast<double>(k) * step;
-          const Vector2d rest(job.print.mirrored ? -at.x() : at.x(), at.y());
+          const Vector2d rest(mirrored ? -at.x() : at.x(), at.y());
           out[k] = outside(at, size)
                        ? backdrop
                        : laid_over(chart.find(rest) ? on_mold : paper, print.sample(rest, blur), gray);
         }
       });
-  const std::string face =
-      job.print.mirrored ? "for the inner face, mirrored as it is printed" : "for the outer face";
+  const std::string face = mirrored ? "for the inner face, mirrored as it is printed" : "for the outer face";
   write({"The pre-distorted print on the flat sheet",
          decimal(size.x(), 0) + " × " + decimal(size.y(), 0) + " mm, " + face,
          {},
          // The colours of a scan cover what lies on the mold.
-         std::string(of_colours_alone(job) ? "" : "Blue: comes to lie on the mold. ") +
+         std::string(job.print.top().source->colours() ? "" : "Blue: comes to lie on the mold. ") +
              "Dashed: the window of the clamp frame."},
         picture);
   Canvas canvas(picture);
@@ -156,7 +156,6 @@ Picture print_preview(const Finished& job, const SheetPicture& print, int side) 
   }
   scale_bar(canvas, frame, side);
   const SideLetters letters = side_letters(job.mold.findings.left_side);
-  const bool mirrored = job.print.mirrored;
   constexpr double away = 24, above = 15;
   const Vector2d upper_left = frame.pixel({-size.x() / 2, size.y() / 2}),
                  lower_right = frame.pixel({size.x() / 2, -size.y() / 2});

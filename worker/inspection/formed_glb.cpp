@@ -9,6 +9,7 @@
 #include "worker/inspection/heat_maps.hpp"
 #include "worker/inspection/sheet_textures.hpp"
 #include "worker/inspection/unfolded_sheet.hpp"
+#include "worker/printing/colour_ink.hpp"
 #include "worker/stage/parallel.hpp"
 #include "worker/surface/vertex_normals.hpp"
 
@@ -48,6 +49,12 @@ GltfJson attributes(const Finished& job, const Unfolded& all, const std::vector<
   return out;
 }
 
+// Whether the formed part shows what print.png shows: nothing lies below it, and no ink in it makes up for the stretch.
+bool looks_as_printed(const Print& print) {
+  const PrintedColours* const colours = print.top().source->colours();
+  return print.layers.size() == 1 && !(colours && colours->ink);
+}
+
 GltfJson material(const char* name, int texture) {
   return {{"name", name},
           {"doubleSided", true},
@@ -60,8 +67,8 @@ GltfJson material(const char* name, int texture) {
 Result<std::vector<std::uint8_t>> formed_glb(const Finished& job, const SheetPicture& print,
                                              const Context& context) {
   constexpr const char *with = "pre-distorted", *without = "printed as drawn";
-  const SheetPicture* const over = over_colours(job) || job.print.shortage ? &print : nullptr;
-  const Unfolded all = unfolded(job);
+  const SheetPicture* const over = looks_as_printed(job.print) ? nullptr : &print;
+  const Unfolded all = textured(job);
   const std::vector<HeatMap> maps = heat_maps(job);
   GltfBuffer buffer;
   GltfJson primitive;

@@ -12,14 +12,21 @@
 
 #include "worker/forming/heat/sheet_temperature.hpp"
 #include "worker/inspection/figures.hpp"
+#include "worker/placement/length_errors.hpp"
 #include "worker/printing/print.hpp"
 
 namespace vacuform {
 
+// A vector drawing, as it is placed and printed.
+struct PrintedDrawing {
+  const Drawing& drawing;
+  const Placement& placement;
+  const VectorPrint& vectors;
+  const Alignment& alignment;  // as drawn on the flat sheet
+};
 // Errors: cancelled.
-Result<Measured> measure(const ChartedSurface& charted, const Drawing& drawing, const Placement& placement,
-                         const VectorPrint& print, const Alignment& alignment, const CoilSettings& settings,
-                         const Context& context);
+Result<Measured> measure(const ChartedSurface& charted, const PrintedDrawing& printed,
+                         const CoilSettings& settings, const Context& context);
 
 // The results of the stages for one job, as inspection reads them, with their figures.
 struct Finished {
@@ -28,28 +35,23 @@ struct Finished {
   const FormedSheet& sheet;
   const InkedSurface& surface;
   const Flattening& flattening;
-  const Pattern& pattern;
+  const Pattern& pattern;      // what the top layer of the print shows, as drawn
+  const Placement& placement;  // of the pattern
   const Print& print;
+  const Drawing* placed = nullptr;  // what was placed element by element; null: nothing
+  LengthErrors lengths = {};        // of the pattern on the formed part
   HeatSummary heat = {};
-  Alignment alignment = {};               // of the drawing as drawn on the flat sheet (align_flat())
-  const Placement* placement = nullptr;   // how the drawing is laid; null: on the one chart
-  std::string label = {};                 // of the print, as its marks show it
-  const SheetColours* colours = nullptr;  // of the scan, if they are printed
+  Alignment alignment = {};  // of the pattern as drawn on the flat sheet (align_flat())
+  std::string label = {};    // of the print, as its marks show it
   Figures figures = {};
 };
 // Fills in all figures but those of a vector print and of colours, which measure() and colour_errors() find.
 void add_chart_figures(Finished& job);
 
-// Whether the colours of the scan are all that is printed.
-inline bool of_colours_alone(const Finished& job) {
-  return job.colours && job.settings.pattern.source == PatternSource::scan;
-}
-// Whether the print is a drawing over the colours of the scan.
-inline bool over_colours(const Finished& job) { return job.colours && !of_colours_alone(job); }
-// Whether pictures show all ink in black, its shades as opacity.
-inline bool in_black(const Finished& job) { return job.pattern.grayscale() && !job.colours; }
+// Whether pictures show all ink in black, its shades as opacity: no layer has another colour.
+bool in_black(const Print& print);
 inline bool in_segments(const Finished& job) {
-  return job.placement && job.settings.pattern.placement == PatternPlacement::segments;
+  return job.settings.pattern.placement == PatternPlacement::segments;
 }
 
 // A named file of the job's output; the names are those of api/job.hpp.

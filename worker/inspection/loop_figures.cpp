@@ -123,7 +123,7 @@ double enclosed_area(const MeasuredSheet& sheet, const std::vector<Vector2d>& li
   std::vector<Vector2d> polygon, kept;
   for (const Triangle& t : surface.triangles()) {
     std::array<Vector2d, 3> c;
-    for (std::size_t k = 0; k < 3; ++k) c[k] = surface.rest()[static_cast<std::size_t>(t[k])];
+    for (std::size_t k = 0; k < 3; ++k) c[k] = surface.rest()[t[k]];
     const Eigen::AlignedBox2d box(c[0].cwiseMin(c[1]).cwiseMin(c[2]), c[0].cwiseMax(c[1]).cwiseMax(c[2]));
     if (!box.intersects(boxed.whole())) continue;
     const double flat = cross(c[1] - c[0], c[2] - c[0]) / 2;
@@ -137,7 +137,7 @@ double enclosed_area(const MeasuredSheet& sheet, const std::vector<Vector2d>& li
       share = std::abs(boxed.turns_around(c[0]));
     }
     if (share == 0) continue;
-    const auto at = [&](std::size_t k) { return sheet.surface().inked()[static_cast<std::size_t>(t[k])]; };
+    const auto at = [&](std::size_t k) { return sheet.surface().inked()[t[k]]; };
     sum += share * (at(1) - at(0)).cross(at(2) - at(0)).norm() / 2;
   }
   return sum;
@@ -145,9 +145,9 @@ double enclosed_area(const MeasuredSheet& sheet, const std::vector<Vector2d>& li
 
 // Sheet coordinates for a move in space within a triangle's plane.
 Vector2d in_rest(const MeasuredSheet& sheet, int triangle, const Vector3d& move) {
-  const Triangle& t = sheet.surface().triangles()[static_cast<std::size_t>(triangle)];
-  const auto rest = [&](std::size_t k) { return sheet.surface().rest()[static_cast<std::size_t>(t[k])]; };
-  const auto at = [&](std::size_t k) { return sheet.surface().inked()[static_cast<std::size_t>(t[k])]; };
+  const Triangle& t = sheet.surface().triangles()[triangle];
+  const auto rest = [&](std::size_t k) { return sheet.surface().rest()[t[k]]; };
+  const auto at = [&](std::size_t k) { return sheet.surface().inked()[t[k]]; };
   Eigen::Matrix<double, 3, 2> space;
   space << at(1) - at(0), at(2) - at(0);
   Eigen::Matrix2d flat;
@@ -174,8 +174,8 @@ double straight_length(const MeasuredSheet& sheet, const Vector2d& a, const Vect
 std::optional<std::vector<Vector2d>> polar(const MeasuredSheet& sheet, const Geodesics& geodesics,
                                            const SheetPoint& source, const std::vector<Vector2d>& line,
                                            const Vector3d& centre) {
-  const Triangle& t = sheet.surface().triangles()[static_cast<std::size_t>(source.triangle)];
-  const auto at = [&](std::size_t k) { return sheet.surface().inked()[static_cast<std::size_t>(t[k])]; };
+  const Triangle& t = sheet.surface().triangles()[source.triangle];
+  const auto at = [&](std::size_t k) { return sheet.surface().inked()[t[k]]; };
   const Vector3d u = (at(1) - at(0)).normalized();
   const Vector3d v = (at(1) - at(0)).cross(at(2) - at(0)).cross(u).normalized();
   std::vector<Vector2d> out;
@@ -264,7 +264,7 @@ std::optional<LoopFigures> measure_loop(const MeasuredSheet& sheet, const std::v
     geodesics->begin_at(*source, reach);
     Eigen::MatrixXd ways(radii, 3);
     for (int i = 0; i < radii; ++i) {
-      const auto path = geodesics->to(ends[static_cast<std::size_t>(i)]);
+      const auto path = geodesics->to(ends[i]);
       if (!path) return std::nullopt;
       ways.row(i) = path->length * path->start;
     }
@@ -295,12 +295,12 @@ PlaneLoopFigures measure_plane_loop(const std::vector<Vector2d>& given) {
   out.centre /= static_cast<double>(std::max<std::size_t>(1, line.size()));
   const std::vector<Vector2d> ends = evenly(line, at, radii);
   Eigen::MatrixXd points(radii, 2);
-  for (int i = 0; i < radii; ++i) points.row(i) = ends[static_cast<std::size_t>(i)] - out.centre;
+  for (int i = 0; i < radii; ++i) points.row(i) = ends[i] - out.centre;
   const Centring centring = centre_of(points);
   out.centre += centring.centre;
   out.diameter_mm = 2 * centring.mean();
   out.circularity = centring.circularity();
-  out.area_mm2 = std::abs(signed_area(given));
+  out.area_mm2 = lobes_area(given);
   return out;
 }
 

@@ -77,21 +77,20 @@ std::vector<std::uint8_t> formed_mtl() {
 
 std::vector<std::uint8_t> uv_map_obj(const Finished& job) {
   const Vector2d size = job.pattern.size_mm();
-  const Unfolded all = unfolded(job);
+  const Unfolded all = textured(job);
   std::string out = "# Vacuform formed surface under the pattern, mm; the pattern is the texture\n", textures;
   std::vector<int> number(all.vertex.size(), 0);
   int used = 0;
   for (std::size_t i = 0; i < number.size(); ++i) {
     if (all.uv[i].hasNaN()) continue;
     number[i] = ++used;
-    append_vertex(out, job.sheet.formed[static_cast<std::size_t>(all.vertex[i])]);
+    append_vertex(out, job.sheet.formed[all.vertex[i]]);
     append_texture(textures, all.uv[i].cwiseQuotient(size) + Vector2d(0.5, 0.5));
   }
   out += textures;
   for (const int t : job.flattening.triangles) {
-    const auto& c = all.corners[static_cast<std::size_t>(t)];
-    append_face(out, number[static_cast<std::size_t>(c[0])], number[static_cast<std::size_t>(c[1])],
-                number[static_cast<std::size_t>(c[2])]);
+    const auto& c = all.corners[t];
+    append_face(out, number[c[0]], number[c[1]], number[c[2]]);
   }
   return bytes_of(out);
 }

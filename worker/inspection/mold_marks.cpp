@@ -65,15 +65,14 @@ class Base {
   explicit Base(const TriangleMesh& mold) {
     above_.vertices = mold.vertices;
     for (const Triangle& t : mold.triangles) {
-      const bool flat = std::all_of(
-          t.begin(), t.end(), [&](int v) { return mold.vertices[static_cast<std::size_t>(v)].z() == 0; });
+      const bool flat = std::all_of(t.begin(), t.end(), [&](int v) { return mold.vertices[v].z() == 0; });
       if (!flat) above_.triangles.push_back(t);
     }
     loops_ = border_loops(above_);
     for (const auto& loop : loops_) {
       BaseOutline& outline = outlines_.emplace_back();
       for (const int v : loop) {
-        const Vector3d& p = mold.vertices[static_cast<std::size_t>(v)];
+        const Vector3d& p = mold.vertices[v];
         outline.push_back(p.head<2>());
         is_flat_ &= p.z() == 0;
       }
@@ -92,7 +91,7 @@ class Base {
     const Vector2d low = slot[0].cwiseMin(slot[2]).array() - wall_mm,
                    high = slot[0].cwiseMax(slot[2]).array() + wall_mm;
     for (const Triangle& t : above_.triangles) {
-      const auto corner = [&](std::size_t k) { return above_.vertices[static_cast<std::size_t>(t[k])]; };
+      const auto corner = [&](std::size_t k) { return above_.vertices[t[k]]; };
       const Vector3d least = corner(0).cwiseMin(corner(1)).cwiseMin(corner(2));
       const Vector3d most = corner(0).cwiseMax(corner(1)).cwiseMax(corner(2));
       if (least.z() < depth_mm + wall_mm && (least.head<2>() - high).maxCoeff() < 0 &&

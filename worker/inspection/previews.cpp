@@ -19,6 +19,7 @@
 #include "worker/inspection/side_marks.hpp"
 #include "worker/inspection/tiles.hpp"
 #include "worker/inspection/view.hpp"
+#include "worker/printing/colour_ink.hpp"
 #include "worker/stage/parallel.hpp"
 
 namespace vacuform {
@@ -31,16 +32,19 @@ std::string figures_of(const Distortion& d) {
          "     area: mean " + decimal(d.area.mean, 3) + ", 95 % below " + decimal(d.area.p95, 3);
 }
 // Of the coils if there are any, otherwise of the chart.
-std::string figures_of(const Finished& job, CoilSummary CoilTable::*way, const Distortion& chart) {
+std::string figures_of(const Finished& job, Way way) {
   const auto& measured = job.figures.measured;
-  return measured && !measured->coils.coils.empty() ? coils_caption(measured->coils, way) : figures_of(chart);
+  return measured && !measured->coils.coils.empty() ? coils_caption(measured->coils, way)
+                                                    : figures_of(job.figures[way].chart);
 }
 std::string ink_note(const Finished& job) {
-  return of_colours_alone(job) ? colours_caption(job.colours->area().faded_share())
-                               : ink_caption(job.print.ink_printed, job.print.ink_on_head);
+  const Layer& top = job.print.top();
+  const PrintedColours* const colours = top.source->colours();
+  return colours ? colours_caption(colours->on_sheet.area().faded_share())
+                 : ink_caption(top.ink_printed, top.ink_on_head);
 }
 Rgb inked(const Finished& job, const Ink& ink, const Seen& seen) {
-  const Rgb colour = in_black(job) ? black_ink : Rgb(ink.r, ink.g, ink.b);
+  const Rgb colour = in_black(job.print) ? black_ink : Rgb(ink.r, ink.g, ink.b);
   return seen.light * (plastic + ink.a * (colour - plastic)) + Rgb::Constant(seen.gloss);
 }
 
@@ -57,9 +61,7 @@ class FlatPlaces {
       const auto& c = sheet.triangles[t];
       std::array<Vector2d, 3> from;
       std::array<Eigen::Vector3d, 3> to;
-      for (std::size_t k = 0; k < 3; ++k)
-        from[k] = sheet.rest[static_cast<std::size_t>(c[k])],
-        to[k] = sheet.formed[static_cast<std::size_t>(c[k])];
+      for (std::size_t k = 0; k < 3; ++k) from[k] = sheet.rest[c[k]], to[k] = sheet.formed[c[k]];
       // Millimetres of flat sheet per millimetre of formed sheet, averaged over directions.
       const SingularValues s = singular_values(from, to);
       shrink_[t] = std::sqrt((1 / (s.largest * s.largest) + 1 / (s.smallest * s.smallest)) / 2);
@@ -70,7 +72,7 @@ class FlatPlaces {
     const auto t = static_cast<std::size_t>(seen.triangle);
     const auto& c = sheet_.triangles[t];
     Vector2d rest = Vector2d::Zero();
-    for (std::size_t k = 0; k < 3; ++k) rest += seen.weights[k] * sheet_.rest[static_cast<std::size_t>(c[k])];
+    for (std::size_t k = 0; k < 3; ++k) rest += seen.weights[k] * sheet_.rest[c[k]];
     return {rest, 1.2 * shrink_[t] * seen.spacing_mm};
   }
 
@@ -86,9 +88,9 @@ struct WithoutVacuform {
   Eigen::Affine2d to_pattern = job.alignment.to_pattern();
   Ink operator()(const FlatPlace& at) const {
     if (!std::isfinite(at.blur_mm)) return {};
-    return print.over_colours(job.pattern.sample(to_pattern * (at.rest - job.flattening.top_rest),
-                                                 at.blur_mm / job.alignment.scale),
-                              at.rest);
+    return print.over_lower(job.pattern.sample(to_pattern * (at.rest - job.flattening.top_rest),
+                                               at.blur_mm / job.alignment.scale),
+                            at.rest, at.blur_mm);
   }
 };
 struct WithVacuform {
@@ -99,9 +101,9 @@ struct WithVacuform {
 };
 
 Rgb hot(const Finished& job, const HeatMap& map, const Seen& seen) {
-  const auto& c = job.sheet.triangles[static_cast<std::size_t>(seen.triangle)];
+  const auto& c = job.sheet.triangles[seen.triangle];
   double value = 0;
-  for (std::size_t k = 0; k < 3; ++k) value += seen.weights[k] * map.values[static_cast<std::size_t>(c[k])];
+  for (std::size_t k = 0; k < 3; ++k) value += seen.weights[k] * map.values[c[k]];
   if (!std::isfinite(value)) return bare(seen);
   // Softer light than on the bare plastic, so that colours can be compared with the bar.
   return (0.5f + 0.52f * seen.light) * map.colour(value);
@@ -111,7 +113,7 @@ Rgb hot(const Finished& job, const HeatMap& map, const Seen& seen) {
 Rgb in_segments(const Finished& job, const SegmentColours& segments, const Ink& ink, const Seen& seen) {
   const auto colour = segments(seen);
   if (!colour) return bare(seen);
-  const Rgb over = in_black(job) ? black_ink : Rgb(ink.r, ink.g, ink.b);
+  const Rgb over = in_black(job.print) ? black_ink : Rgb(ink.r, ink.g, ink.b);
   return seen.light * (*colour + ink.a * (over - *colour)) + Rgb::Constant(seen.gloss);
 }
 
@@ -127,28 +129,60 @@ std::string figures_of(const Placement& placement) {
          decimal(jump, 1) + " mm";
 }
 
+// What the formed part is painted with.
+struct Paints {
+  const Finished& job;
+  FlatPlaces flat;
+  WithoutVacuform without;
+  WithVacuform with;
+  std::vector<HeatMap> maps;
+  std::optional<SegmentColours> segments;
+
+  Paints(const Finished& finished, const SheetPicture& print)
+      : job(finished), flat(job.sheet), without{job, print}, with{print}, maps(heat_maps(job)) {
+    if (in_segments(job)) segments.emplace(job);
+  }
+};
+
+// The part from the front: the pictures in this order, then one of each heat map.
+enum Front : std::size_t { plain, distorted, findings_under, in_parts, of_maps };
+Result<std::vector<Picture>> from_the_front(const Paints& paints, View& view, const Context& context) {
+  const auto paint = [&](const Seen& seen, Rgb* colours) {
+    const FlatPlace place = paints.flat(seen);
+    const Ink ink = paints.with(place);
+    colours[plain] = inked(paints.job, paints.without(place), seen);
+    colours[distorted] = inked(paints.job, ink, seen);
+    colours[findings_under] = bare(seen);
+    colours[in_parts] = paints.segments ? in_segments(paints.job, *paints.segments, ink, seen) : bare(seen);
+    for (std::size_t i = 0; i < paints.maps.size(); ++i)
+      colours[of_maps + i] = hot(paints.job, paints.maps[i], seen);
+  };
+  return view.draw(static_cast<int>(of_maps + paints.maps.size()), paint, context, 0.1, 0.7);
+}
+
 // The print on the head from five sides.
 struct Around {
   Picture whole;
   std::vector<Picture> tiles;
 };
-Result<Around> views(const Finished& job, View& view, const FlatPlaces& flat, const WithVacuform& with,
-                     const Context& context) {
+Result<Around> views(const Paints& paints, View& view, const Context& context) {
+  const Finished& job = paints.job;
   Tiles tiles(static_cast<int>(std::size(five_sides)));
   Around out;
   for (std::size_t i = 0; i < std::size(five_sides); ++i) {
     view.look_from(five_sides[i], tile_width, tile_height, tile_label, 0);
     VACUFORM_TRY(pictures,
                  view.draw(
-                     1, [&](const Seen& seen, Rgb* colour) { *colour = inked(job, with(flat(seen)), seen); },
+                     1,
+                     [&](const Seen& seen, Rgb* colour) {
+                       *colour = inked(job, paints.with(paints.flat(seen)), seen);
+                     },
                      context, 0.7 + 0.01 * static_cast<double>(i), 0.71 + 0.01 * static_cast<double>(i)));
     tiles.put(static_cast<int>(i), pictures.front(), side_words(five_sides[i], view.letters()));
     out.tiles.push_back(std::move(pictures.front()));
   }
-  out.whole = tiles.finished({"The print on the head from all sides",
-                              figures_of(job, &CoilTable::with, job.figures.with.chart),
-                              {},
-                              ink_note(job)});
+  out.whole =
+      tiles.finished({"The print on the head from all sides", figures_of(job, Way::with), {}, ink_note(job)});
   return out;
 }
 
@@ -160,12 +194,44 @@ struct NamedPicture {
   Picture picture;
 };
 
+// The part beside its scan, and off register. Nothing without the colours of a scan.
+Result<std::vector<NamedPicture>> beside_the_scan(const Paints& paints, View& view,
+                                                  const std::vector<Picture>& tiles, const Context& context) {
+  if (!paints.job.figures.errors) return std::vector<NamedPicture>();
+  VACUFORM_TRY(original, original_preview(paints.job, view, tiles, context));
+  const auto shade = [&](const Seen& seen, const Vector2d& shift, Rgb* colour) {
+    FlatPlace place = paints.flat(seen);
+    place.rest -= shift;
+    *colour = inked(paints.job, paints.with(place), seen);
+  };
+  VACUFORM_TRY(off_register, align_preview(paints.job, view, shade, context));
+  std::vector<NamedPicture> out;
+  out.push_back({"preview-original.png", std::move(original)});
+  out.push_back({"preview-align.png", std::move(off_register)});
+  return out;
+}
+
+// The flat sheet with the print as it is printed, which `print` shows unless its ink is compensated.
+Picture printed_preview(const Finished& job, const SheetPicture& print) {
+  const Layer* const coloured = job.print.coloured();
+  if (!coloured || !coloured->source->colours()->ink) return print_preview(job, print, preview_side);
+  return print_preview(job, SheetPicture(job, InkState::printed, print_pixel_mm), preview_side);
+}
+
+std::vector<Warning> shown_warnings(const Finished& job) {
+  std::vector<Warning> warnings = job.mold.warnings;
+  warnings.insert(warnings.end(), job.sheet.warnings.begin(), job.sheet.warnings.end());
+  if (const auto& measured = job.figures.measured)
+    warnings.insert(warnings.end(), measured->warnings.begin(), measured->warnings.end());
+  return warnings;
+}
+
 // The pictures as files, in their order. Frees the pixels.
 std::vector<Artifact> encoded(std::vector<NamedPicture>& pictures) {
   std::vector<Artifact> files(pictures.size());
   each_in_parallel(0, static_cast<int>(pictures.size()), [&](int i) {
-    NamedPicture& from_pixels = pictures[static_cast<std::size_t>(i)];
-    files[static_cast<std::size_t>(i)] = {from_pixels.name, png_of(from_pixels.picture)};
+    NamedPicture& from_pixels = pictures[i];
+    files[i] = {from_pixels.name, png_of(from_pixels.picture)};
     from_pixels.picture = {};
   });
   return files;
@@ -175,82 +241,38 @@ std::vector<Artifact> encoded(std::vector<NamedPicture>& pictures) {
 
 Result<std::vector<Artifact>> previews(const Finished& job, const SheetPicture& print,
                                        const Context& context) {
-  const FlatPlaces flat(job.sheet);
-  const WithoutVacuform without{job, print};
-  const WithVacuform with{print};
+  const Paints paints(job, print);
   View view(job.sheet, side_letters(job.mold.findings.left_side), preview_side, preview_side, caption_top,
             caption_bottom);
-  const std::vector<HeatMap> maps = heat_maps(job);
-  const std::optional<SegmentColours> segments =
-      in_segments(job) ? std::optional<SegmentColours>(job) : std::nullopt;
-  enum : std::size_t { plain, distorted, findings_under, in_parts };  // then the maps
-  const std::size_t of_maps = in_parts + 1;
-  VACUFORM_TRY(pictures, view.draw(
-                             static_cast<int>(of_maps + maps.size()),
-                             [&](const Seen& seen, Rgb* colours) {
-                               const FlatPlace place = flat(seen);
-                               const Ink ink = with(place);
-                               colours[plain] = inked(job, without(place), seen);
-                               colours[distorted] = inked(job, ink, seen);
-                               colours[findings_under] = bare(seen);
-                               colours[in_parts] =
-                                   segments ? in_segments(job, *segments, ink, seen) : bare(seen);
-                               for (std::size_t i = 0; i < maps.size(); ++i)
-                                 colours[of_maps + i] = hot(job, maps[i], seen);
-                             },
-                             context, 0.1, 0.7));
-  const auto& errors = job.figures.errors;
-  VACUFORM_TRY(around, views(job, view, flat, with, context));
-  std::optional<Picture> original, off_register;
-  if (errors) {
-    VACUFORM_TRY(beside, original_preview(job, view, around.tiles, context));
-    original = std::move(beside);
-    VACUFORM_TRY(aligned, align_preview(
-                              job, view,
-                              [&](const Seen& seen, const Vector2d& shift, Rgb* shade) {
-                                FlatPlace place = flat(seen);
-                                place.rest -= shift;
-                                *shade = inked(job, with(place), seen);
-                              },
-                              context));
-    off_register = std::move(aligned);
-  }
+  VACUFORM_TRY(front, from_the_front(paints, view, context));
+  VACUFORM_TRY(around, views(paints, view, context));
+  VACUFORM_TRY(of_scan, beside_the_scan(paints, view, around.tiles, context));
   view.look_from(View::Side::front, preview_side, preview_side, caption_top, caption_bottom);
   std::vector<NamedPicture> shown;
   shown.push_back({"preview-pattern.png", pattern_preview(job, preview_side)});
   VACUFORM_CHECK(context.step(Stage::inspection, 0.76));
-  std::optional<SheetPicture> as_printed;
-  if (job.print.shortage) as_printed.emplace(job, InkState::printed, print_pixel_mm);
-  shown.push_back({"preview-print.png", print_preview(job, as_printed ? *as_printed : print, preview_side)});
+  shown.push_back({"preview-print.png", printed_preview(job, print)});
   VACUFORM_CHECK(context.step(Stage::inspection, 0.77));
   const auto show = [&](const std::string& id, Picture& picture, const Caption& caption) {
     write(caption, picture);
     shown.push_back({"preview-" + id + ".png", std::move(picture)});
   };
-  const std::string lost = ink_note(job);
-  show("without", pictures[plain],
-       {"The plain pattern, printed as drawn, then formed",
-        figures_of(job, &CoilTable::without, job.figures.without.chart), nullptr,
+  show("without", front[plain],
+       {"The plain pattern, printed as drawn, then formed", figures_of(job, Way::without), nullptr,
         "Its centre lies where the top of the mold comes to lie, as for the pre-distorted print."});
-  show("with", pictures[distorted],
-       {"The pre-distorted print, formed", figures_of(job, &CoilTable::with, job.figures.with.chart), nullptr,
-        lost});
+  show("with", front[distorted],
+       {"The pre-distorted print, formed", figures_of(job, Way::with), nullptr, ink_note(job)});
   shown.push_back({"preview-views.png", std::move(around.whole)});
-  for (std::size_t i = 0; i < maps.size(); ++i)
-    show(std::string(maps[i].id), pictures[of_maps + i],
-         {std::string(maps[i].title()), maps[i].figures, &maps[i], ""});
-  if (segments)
-    show("segments", pictures[in_parts],
-         {"Segments and their seams", figures_of(*job.placement), nullptr, lost});
-  if (errors) {
-    shown.push_back({"preview-original.png", std::move(*original)});
-    shown.push_back({"preview-align.png", std::move(*off_register)});
+  for (std::size_t i = 0; i < paints.maps.size(); ++i) {
+    const HeatMap& map = paints.maps[i];
+    show(std::string(map.id), front[of_maps + i], {std::string(map.title()), map.figures, &map, ""});
   }
-  std::vector<Warning> warnings = job.mold.warnings;
-  warnings.insert(warnings.end(), job.sheet.warnings.begin(), job.sheet.warnings.end());
-  if (const auto& measured = job.figures.measured)
-    warnings.insert(warnings.end(), measured->warnings.begin(), measured->warnings.end());
-  VACUFORM_TRY(findings, findings_preview(warnings, view, std::move(pictures[findings_under]), context));
+  if (paints.segments)
+    show("segments", front[in_parts],
+         {"Segments and their seams", figures_of(job.placement), nullptr, ink_note(job)});
+  for (NamedPicture& picture : of_scan) shown.push_back(std::move(picture));
+  VACUFORM_TRY(findings,
+               findings_preview(shown_warnings(job), view, std::move(front[findings_under]), context));
   shown.push_back({"preview-findings.png", std::move(findings)});
   VACUFORM_CHECK(context.step(Stage::inspection, 0.9));
   return encoded(shown);

@@ -12,6 +12,7 @@
 #include "worker/inspection/json_numbers.hpp"
 #include "worker/inspection/segments_json.hpp"
 #include "worker/numerics/plane.hpp"
+#include "worker/printing/colour_ink.hpp"
 #include "worker/scan/findings_json.hpp"
 #include "worker/stage/warning_json.hpp"
 
@@ -81,10 +82,8 @@ Json thickness_of(const Finished& job) {
   double area = 0, sum = 0, chart_area = 0, chart_sum = 0;
   const auto rest_area = [&](std::size_t t) {
     const auto& c = sheet.triangles[t];
-    const Eigen::Vector2d a =
-        sheet.rest[static_cast<std::size_t>(c[1])] - sheet.rest[static_cast<std::size_t>(c[0])];
-    const Eigen::Vector2d b =
-        sheet.rest[static_cast<std::size_t>(c[2])] - sheet.rest[static_cast<std::size_t>(c[0])];
+    const Eigen::Vector2d a = sheet.rest[c[1]] - sheet.rest[c[0]];
+    const Eigen::Vector2d b = sheet.rest[c[2]] - sheet.rest[c[0]];
     return std::abs(cross(a, b)) / 2;
   };
   for (std::size_t t = 0; t < sheet.triangles.size(); ++t) {
@@ -120,13 +119,30 @@ Json flattening_of(const Flattening& f) {
 }
 
 Json pattern_of(const Finished& job) {
-  return {{"format", job.pattern.format()},
-          {"size_mm", array(job.pattern.size_mm(), 3)},
-          {"size_pixels", {job.pattern.size_pixels().x(), job.pattern.size_pixels().y()}},
-          {"grayscale", job.pattern.grayscale()},
-          {"ink_area_mm2", rounded(job.print.ink_area_mm2, 2)},
-          {"ink_printed", rounded(job.print.ink_printed, 5)},
-          {"ink_on_head", rounded(job.print.ink_on_head, 5)}};
+  Json out = {{"format", job.pattern.format()},
+              {"size_mm", array(job.pattern.size_mm(), 3)},
+              {"size_from", job.pattern.size_from()},
+              {"size_pixels", {job.pattern.size_pixels().x(), job.pattern.size_pixels().y()}},
+              {"grayscale", job.pattern.grayscale()},
+              {"ink_area_mm2", rounded(job.pattern.ink_mm2(), 2)},
+              {"ink_printed", rounded(job.print.top().ink_printed, 5)},
+              {"ink_on_head", rounded(job.print.top().ink_on_head, 5)}};
+  if (const LengthErrors& lengths = job.lengths; !lengths.pieces.empty())
+    out["lengths"] = {{"mean_error", rounded(lengths.mean, 5)},
+                      {"p95_error", rounded(lengths.p95, 5)},
+                      {"worst_error", rounded(lengths.pieces.front().error, 5)},
+                      {"worst_place_mm", array(lengths.pieces.front().place, 1)},
+                      {"worst_angle_deg", rounded(lengths.worst_angle_deg, 2)}};
+  if (!job.placed) return out;
+  const auto& elements = job.placed->elements;
+  const auto coils =
+      std::count_if(elements.begin(), elements.end(), [](const Element& e) { return !!e.loop; });
+  const auto loose =
+      std::count_if(elements.begin(), elements.end(), [](const Element& e) { return e.id.empty(); });
+  out["found"] = {{"coils", coils},
+                  {"figures", static_cast<std::ptrdiff_t>(elements.size()) - coils - loose},
+                  {"loose_ink_mm2", rounded(job.placed->loose_ink_mm2, 2)}};
+  return out;
 }
 
 // Where the formed sheet takes the colours of the scan.
@@ -181,10 +197,10 @@ Json ink_of(const std::optional<InkShortage>& shortage) {
 }
 
 Json print_of(const Finished& job) {
-  return {{"size_pixels", {job.print.width, job.print.height}},
+  return {{"size_pixels", {job.print.grid.width, job.print.grid.height}},
           {"dpi", job.settings.print.dpi},
-          {"inked_face", name(job.settings.pattern.inked_face)},
-          {"mirrored", job.print.mirrored},
+          {"inked_face", name(job.print.top().face)},
+          {"mirrored", job.print.top().mirrored()},
           {"ruler_mm", job.print.ruler_mm ? Json(*job.print.ruler_mm) : Json(nullptr)}};
 }
 
@@ -208,9 +224,7 @@ Json histograms_of(const Finished& job) {
   std::vector<Weighted> thickness;
   for (std::size_t i = 0; i < job.flattening.triangles.size(); ++i) {
     const auto t = static_cast<std::size_t>(job.flattening.triangles[i]);
-    const auto at = [&](std::size_t k) {
-      return job.surface.inked()[static_cast<std::size_t>(job.sheet.triangles[t][k])];
-    };
+    const auto at = [&](std::size_t k) { return job.surface.inked()[job.sheet.triangles[t][k]]; };
     thickness.push_back({job.sheet.element_thickness[t] / job.settings.sheet.thickness_mm,
                          (at(1) - at(0)).cross(at(2) - at(0)).norm() / 2});
   }
@@ -253,27 +267,27 @@ Json report(const Finished& job) {
   out["thickness"] = thickness_of(job);
   out["flattening"] = flattening_of(job.flattening);
   out["pattern"] = pattern_of(job);
-  if (job.colours) {
-    out["pattern"]["colours"] = colours_of(*job.colours);
-    out["pattern"]["colours"]["ink"] = ink_of(job.print.shortage);
+  if (const Layer* const coloured = job.print.coloured()) {
+    const PrintedColours& colours = *coloured->source->colours();
+    out["pattern"]["colours"] = colours_of(colours.on_sheet);
+    out["pattern"]["colours"]["ink"] = ink_of(colours.shortage);
     if (job.figures.errors) out["pattern"]["colours"]["errors"] = errors_of(*job.figures.errors);
   }
   out["print"] = print_of(job);
   out["figures"] = {{"without", way_json(job.figures.without)}, {"with", way_json(job.figures.with)}};
   if (const auto& measured_lines = job.figures.measured) {
     const Measured& measured = *measured_lines;
-    out["figures"]["without"]["coils"] = summary_json(measured.coils, &CoilTable::without);
-    out["figures"]["with"]["coils"] = summary_json(measured.coils, &CoilTable::with);
-    if (measured.elements) {
-      out["figures"]["without"]["elements"] = distortion_json(measured.elements->without);
-      out["figures"]["with"]["elements"] = distortion_json(measured.elements->with);
+    for (const Way way : both_ways) {
+      Json& figures = out["figures"][way == Way::with ? "with" : "without"];
+      figures["coils"] = summary_json(measured.coils, way);
+      if (measured.elements) figures["elements"] = distortion_json((*measured.elements)[way]);
     }
     out["coils"] = coils_json(measured.coils);
     out["pairs"] = pairs_json(measured.coils);
     out["couplings"] = couplings_json(measured.coils);
     out["ink"] = traces_json(measured.traces);
   }
-  if (in_segments(job)) out["segments"] = segments_json(*job.placement, job.print);
+  if (in_segments(job)) out["segments"] = segments_json(job.placement, job.print);
   out["histograms"] = histograms_of(job);
   out["maps"] = heat_maps_json(heat_maps(job));
   Json warnings = Json::array();

@@ -66,6 +66,8 @@ std::string summary(const ReportJson& r) {
   if (!of_scan) {
     text = "A drawing of " + numbers(at(r, {"pattern", "size_mm"}), 1, " × ") + " mm (" +
            text_of(at(r, {"pattern", "format"}));
+    if (const ReportJson& from = at(r, {"pattern", "size_from"}); from.is_string() && from != "")
+      text += ", from " + text_of(from);
     if (coils.is_array() && !coils.empty()) text += ", " + std::to_string(coils.size()) + " coils";
     text += ")";
   }
@@ -82,6 +84,7 @@ std::string summary(const ReportJson& r) {
     text += from_top == "0.0, 0.0" ? "on the top of the mold" : "the top of the mold";
     text += ", turned by " + text_of(at(s, {"pattern", "rotate_deg"})) + " degrees, at " +
             text_of(at(s, {"pattern", "scale"})) + " times its size.";
+    if (const std::string found = found_text(r, ""); !found.empty()) text += " " + found;
   }
   const std::string left = text_of(at(r, {"scan", "left_side"}));
   if (left == "minus_x" || left == "plus_x")

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "api/base/decimal.hpp"
+#include "worker/inspection/caption_words.hpp"
 #include "worker/inspection/html.hpp"
 
 namespace vacuform {
@@ -309,6 +310,14 @@ std::string histograms_section(const ReportJson& report) {
                             one ? std::vector<double>{} : numbers(at(h, {"without"})), true});
   }
   return out + "</div>\n";
+}
+
+std::string found_text(const ReportJson& report, const std::string& after) {
+  const ReportJson& found = at(report, {"pattern", "found"});
+  if (!found.is_object()) return {};
+  return found_caption(at(found, {"coils"}).get<int>(), at(found, {"figures"}).get<int>(),
+                       at(found, {"loose_ink_mm2"}).get<double>()) +
+         after;
 }
 
 }  // namespace vacuform

@@ -11,6 +11,9 @@
 namespace vacuform {
 
 using ReportJson = nlohmann::ordered_json;
+
+// found_caption() of a report, and `after` behind it; nothing where the drawing lies on charts.
+std::string found_text(const ReportJson& report, const std::string& after);
 inline const std::string no_figure = "–";  // in a cell
 
 // The value at a path of keys; null if it is missing.

@@ -23,8 +23,8 @@ std::vector<int> colours_of(const Placement& placement) {
     while (taken[i].contains(colour)) ++colour;
     out.push_back(colour % static_cast<int>(colours.size()));
     for (const Seam& seam : placement.seams) {
-      if (seam.a == static_cast<int>(i)) taken[static_cast<std::size_t>(seam.b)].insert(out.back());
-      if (seam.b == static_cast<int>(i)) taken[static_cast<std::size_t>(seam.a)].insert(out.back());
+      if (seam.a == static_cast<int>(i)) taken[seam.b].insert(out.back());
+      if (seam.b == static_cast<int>(i)) taken[seam.a].insert(out.back());
     }
   }
   return out;
@@ -33,9 +33,9 @@ std::vector<int> colours_of(const Placement& placement) {
 }  // namespace
 
 SegmentColours::SegmentColours(const Finished& job) : faces_(job.sheet.triangles.size()) {
-  const Placement& placement = *job.placement;
+  const Placement& placement = job.placement;
   const auto of_sheet = [&](int t) -> std::size_t {
-    return static_cast<std::size_t>(job.flattening.triangles[static_cast<std::size_t>(t)]);
+    return static_cast<std::size_t>(job.flattening.triangles[t]);
   };
   const std::vector<int> colour = colours_of(placement);
   for (std::size_t s = 0; s < placement.charts.size(); ++s)
@@ -43,25 +43,25 @@ SegmentColours::SegmentColours(const Finished& job) : faces_(job.sheet.triangles
       Face& face = faces_[of_sheet(t)];
       face.colour = colour[s];
       const Triangle& c = job.sheet.triangles[of_sheet(t)];
-      const auto at = [&](std::size_t k) { return job.sheet.formed[static_cast<std::size_t>(c[k % 3])]; };
+      const auto at = [&](std::size_t k) { return job.sheet.formed[c[k % 3]]; };
       const double twice = (at(1) - at(0)).cross(at(2) - at(0)).norm();
       for (std::size_t k = 0; k < 3; ++k) face.height_mm[k] = twice / (at(k + 2) - at(k + 1)).norm();
     }
   // The edge e of a triangle runs from its corner e to the next: opposite to the one after that.
   for (const Seam& seam : placement.seams)
     for (const SeamEdge& edge : seam.edges) {
-      faces_[of_sheet(edge.triangle)].seam[static_cast<std::size_t>((edge.edge + 2) % 3)] = true;
-      faces_[of_sheet(edge.beside)].seam[static_cast<std::size_t>((edge.beside_edge + 2) % 3)] = true;
+      faces_[of_sheet(edge.triangle)].seam[(edge.edge + 2) % 3] = true;
+      faces_[of_sheet(edge.beside)].seam[(edge.beside_edge + 2) % 3] = true;
     }
 }
 
 std::optional<Rgb> SegmentColours::operator()(const Seen& seen) const {
-  const Face& face = faces_[static_cast<std::size_t>(seen.triangle)];
+  const Face& face = faces_[seen.triangle];
   if (face.colour < 0) return std::nullopt;
   const double half_mm = std::max(0.35, 0.8 * seen.spacing_mm);
   for (std::size_t k = 0; k < 3; ++k)
     if (face.seam[k] && seen.weights[k] * face.height_mm[k] < half_mm) return dark;
-  return colours[static_cast<std::size_t>(face.colour)];
+  return colours[face.colour];
 }
 
 }  // namespace vacuform

@@ -13,7 +13,7 @@ namespace {
 double inked_mm2(const Patch& patch) {
   double sum = 0;
   for (const Triangle& t : patch.triangles) {
-    const auto at = [&](std::size_t k) { return patch.inked[static_cast<std::size_t>(t[k])]; };
+    const auto at = [&](std::size_t k) { return patch.inked[t[k]]; };
     sum += (at(1) - at(0)).cross(at(2) - at(0)).norm() / 2;
   }
   return sum;

@@ -144,10 +144,10 @@ ShapeDistance shape_distance(const Line& made, const Line& drawn) {
 Line true_to_area(Line polar, double area_mm2) {
   // A circle of radius r has the area pi r^2 (1 - K r^2 / 12). Each step is what a circle of that area would need.
   double curvature = 0;
-  const double plane = std::abs(signed_area(polar));
+  const double plane = lobes_area(polar);
   if (!(plane > 0) || !(area_mm2 > 0)) return polar;
   for (int round = 0; round < 20; ++round) {
-    const double excess = std::abs(signed_area(lambert(polar, curvature))) / area_mm2 - 1;
+    const double excess = lobes_area(lambert(polar, curvature)) / area_mm2 - 1;
     if (std::abs(excess) < 1e-9) break;
     curvature += 12 * M_PI / plane * excess;
   }

@@ -12,9 +12,8 @@
 
 namespace vacuform {
 
-// The print itself, in pixels of `pixel_mm`, for a vector print, for a picture in parts, and for the colours of the scan;
-// otherwise the pattern under the charts. A drawing over the colours of the scan is shown over them. Colours whose ink is
-// compensated are in the given state. Keeps a reference to the job.
+// The layers of the print over each other. Each is drawn once in pixels of `pixel_mm`, except a pattern under the charts,
+// which is sampled. Ink that is compensated is in the given state. Keeps a reference to the job.
 class SheetPicture {
  public:
   explicit SheetPicture(const Finished& job, InkState state = InkState::stretched, double pixel_mm = 0.15);
@@ -22,20 +21,23 @@ class SheetPicture {
   // Straight colour and opacity at a place of the sheet, before any mirroring, over about `blur_mm`; transparent off
   // it.
   Ink sample(const Eigen::Vector2d& rest, double blur_mm) const;
-  // Ink of the drawing at a place of the sheet, over the colours of the scan there if the job prints both.
-  Ink over_colours(const Ink& ink, const Eigen::Vector2d& rest) const;
+  // The same with other ink in place of that of the top layer.
+  Ink over_lower(const Ink& ink, const Eigen::Vector2d& rest, double blur_mm) const;
 
  private:
   using Pixels = std::vector<std::uint8_t>;  // straight RGBA, rows from the top
-  Pixels pixels_of(const RowSource& source, int channels) const;
+  struct Shown {
+    const Pattern* pattern;  // under the charts; null: it is drawn
+    Pixels pixels;
+  };
+  Pixels pixels_of(const RowSource& source) const;
+  Ink of_layer(const Shown& layer, const Eigen::Vector2d& rest, double blur_mm) const;
   Ink of_pixels(const Pixels& rgba, const Eigen::Vector2d& rest) const;
-  Ink of_pattern(const Eigen::Vector2d& rest, double blur_mm) const;  // of the flat sheet
+  Ink of_pattern(const Pattern& pattern, const Eigen::Vector2d& rest, double blur_mm) const;
 
   const Finished& job_;
-  double pixel_mm_;
-  int width_ = 0, height_ = 0;
-  Pixels print_;        // empty: sampled from the pattern
-  Pixels colours_;      // below the drawing; empty without
+  const PrintGrid grid_;
+  std::vector<Shown> layers_;
   PlaneLocator chart_;  // of a pattern: the triangles of the chart
 };
 

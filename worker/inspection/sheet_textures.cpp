@@ -11,7 +11,7 @@ namespace vacuform {
 
 namespace {
 
-int texture_width(const Print& print) {
+int texture_width(const PrintGrid& print) {
   const std::int64_t longer = std::max(print.width, print.height);
   return std::max(1,
                   static_cast<int>(print.width * std::min<std::int64_t>(longer, largest_texture) / longer));
@@ -26,7 +26,7 @@ struct TextureGrid {
   int width, height;
   double across, down;  // of a pixel, mm
 
-  explicit TextureGrid(const Print& print)
+  explicit TextureGrid(const PrintGrid& print)
       : width(texture_width(print)),
         height(std::max(1, width * print.height / print.width)),
         across(print.width * print.pixel_mm / width),
@@ -64,18 +64,18 @@ Result<std::vector<std::uint8_t>> painted_texture(const TextureGrid& grid, InkOf
 }  // namespace
 
 std::vector<std::uint8_t> print_texture(const Finished& job, const SheetPicture* over) {
-  if (!over) return shrunk_png(job.print.png, texture_width(job.print), 0, job.print.mirrored);
-  const TextureGrid grid(job.print);
+  const Layer& top = job.print.top();
+  if (!over) return shrunk_png(top.files.png, texture_width(job.print.grid), 0, top.mirrored());
+  const TextureGrid grid(job.print.grid);
   const auto print = [&](int y, std::vector<Ink>& line) {
-    for (int x = 0; x < grid.width; ++x)
-      line[static_cast<std::size_t>(x)] = over->sample(grid.rest(x, y), grid.pixel_mm());
+    for (int x = 0; x < grid.width; ++x) line[x] = over->sample(grid.rest(x, y), grid.pixel_mm());
   };
   return *painted_texture(grid, print, [](double) { return Result<void>(); });
 }
 
 Result<std::vector<std::uint8_t>> drawing_texture(const Finished& job, const SheetPicture* over,
                                                   const Context& context) {
-  const TextureGrid grid(job.print);
+  const TextureGrid grid(job.print.grid);
   const double blur = grid.pixel_mm() / job.alignment.scale;
   const Eigen::Affine2d to_pattern = job.alignment.to_pattern();
   const Eigen::Vector2d step = to_pattern.linear() * Eigen::Vector2d(grid.across, 0);
@@ -83,8 +83,8 @@ Result<std::vector<std::uint8_t>> drawing_texture(const Finished& job, const She
     job.pattern.sample_line(to_pattern * (grid.rest(0, y) - job.flattening.top_rest), step, blur, line);
     if (!over) return;
     for (int x = 0; x < grid.width; ++x) {
-      Ink& ink = line[static_cast<std::size_t>(x)];
-      ink = over->over_colours(ink, grid.rest(x, y));
+      Ink& ink = line[x];
+      ink = over->over_lower(ink, grid.rest(x, y), grid.pixel_mm());
     }
   };
   return painted_texture(grid, drawing,
@@ -93,7 +93,7 @@ Result<std::vector<std::uint8_t>> drawing_texture(const Finished& job, const She
 
 Eigen::Vector2d texture_place(const Print& print, const Eigen::Vector2d& rest) {
   const Eigen::Vector2d uv = print.picture_uv(rest);
-  return {print.mirrored ? 1 - uv.x() : uv.x(), 1 - uv.y()};
+  return {print.top().mirrored() ? 1 - uv.x() : uv.x(), 1 - uv.y()};
 }
 
 }  // namespace vacuform

@@ -100,7 +100,10 @@ std::string summary_text(const ReportJson& report, const std::string& out) {
   } else {
     if (size.is_array() && size.size() == 2)
       text += ", of a drawing of " + number_text(size[0], 1) + " × " + number_text(size[1], 1) + " mm";
-    text += ".\n" + percent_text(at(report, {"pattern", "ink_on_head"}), 1) + " of its ink lies on the head";
+    if (const ReportJson& from = at(report, {"pattern", "size_from"}); from.is_string() && from != "")
+      text += " (from " + text_of(from) + ")";
+    text += ".\n" + found_text(report, "\n") + percent_text(at(report, {"pattern", "ink_on_head"}), 1) +
+            " of its ink lies on the head";
     if (const ReportJson on_head = coils_on_head(report); on_head.is_number())
       text += ", with " + text_of(on_head) + " of " + std::to_string(at(report, {"coils"}).size()) + " coils";
     text += ".\n";

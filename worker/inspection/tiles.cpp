@@ -20,7 +20,7 @@ void Tiles::put(int index, const Picture& tile, std::string label) {
   for (int y = tile_label; y < tile_height; ++y)
     std::copy_n(tile.pixels.begin() + static_cast<std::ptrdiff_t>(y) * tile_width, tile_width,
                 whole_.pixels.begin() + static_cast<std::ptrdiff_t>(top + y) * whole_.width + left);
-  labels_[static_cast<std::size_t>(index)] = std::move(label);
+  labels_[index] = std::move(label);
 }
 
 Picture Tiles::finished(const Caption& caption) {

@@ -15,6 +15,10 @@ struct Unfolded {
   std::vector<Eigen::Vector2d> uv;  // NaN off the charts
   std::vector<Triangle> corners;    // of all triangles of the sheet
 };
+// By the charts alone, as the figures of the report are.
 Unfolded unfolded(const Finished& job);
+// With the drawing as a texture. Where coils were placed, the coordinates are exact at their centres and nearly so around
+// them: what moved them from the chart is added, and fades beyond their loops.
+Unfolded textured(const Finished& job);
 
 }  // namespace vacuform

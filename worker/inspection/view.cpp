@@ -18,7 +18,7 @@ constexpr double straight = 18 * M_PI / 180;   // so that the foot is visible
 constexpr double half_view = 11 * M_PI / 180;  // a long lens: little perspective
 const Vector3d key_light = Vector3d(0.25, 0.67, 0.75).normalized();
 
-const Vector3d& at(const std::vector<Vector3d>& points, int i) { return points[static_cast<std::size_t>(i)]; }
+const Vector3d& at(const std::vector<Vector3d>& points, int i) { return points[i]; }
 
 // Near the foot, where the sheet turns from the wall to the platform, the grid makes steps that the part does not have.
 constexpr double platform_mm = 0.3, foot_mm = 8;
@@ -39,8 +39,7 @@ void smooth(const TriangleMesh& mesh, std::vector<Value>& values, int rounds, Pa
     for (const Triangle& t : mesh.triangles)
       for (std::size_t k = 0; k < 3; ++k) {
         const auto v = static_cast<std::size_t>(t[k]);
-        for (const std::size_t other : {(k + 1) % 3, (k + 2) % 3})
-          sum[v] += values[static_cast<std::size_t>(t[other])], ++count[v];
+        for (const std::size_t other : {(k + 1) % 3, (k + 2) % 3}) sum[v] += values[t[other]], ++count[v];
       }
     for (std::size_t v = 0; v < values.size(); ++v)
       if (part(v)) values[v] = sum[v] / count[v];
@@ -199,8 +198,7 @@ Result<void> View::light(const Context& context, double from, double to) {
           const Vector3d ray = d.x() * a + d.y() * b + d.z() * n;
           if (rays_.first_hit(at(mesh_.vertices, i) + 0.8 * n + 0.4 * ray, 90 * ray)) ++hidden;
         }
-        open_[static_cast<std::size_t>(i)] =
-            1 - static_cast<float>(hidden) / static_cast<float>(directions.size());
+        open_[i] = 1 - static_cast<float>(hidden) / static_cast<float>(directions.size());
       }
     });
   }
@@ -210,12 +208,11 @@ Result<void> View::light(const Context& context, double from, double to) {
 }
 
 Seen View::seen(const VisibleTriangles::Sample& sample, const Vector3d& aim) const {
-  const auto& t = mesh_.triangles[static_cast<std::size_t>(sample.triangle)];
+  const auto& t = mesh_.triangles[sample.triangle];
   const double u = sample.u, v = sample.v;
   const std::array<double, 3> w{1 - u - v, u, v};
   const auto mix = [&](const auto& values) {
-    return w[0] * values[static_cast<std::size_t>(t[0])] + w[1] * values[static_cast<std::size_t>(t[1])] +
-           w[2] * values[static_cast<std::size_t>(t[2])];
+    return w[0] * values[t[0]] + w[1] * values[t[1]] + w[2] * values[t[2]];
   };
   const double length = aim.norm(), spacing = tangent_ / width_ * length / sample.nearness;
   Vector3d normal = mix(normals_);

@@ -55,7 +55,7 @@ VisibleTriangles::VisibleTriangles(const TriangleMesh& mesh, const Camera& camer
     double low = std::numeric_limits<double>::infinity(), high = -low, left = low, right = high;
     double shallowest = low, deepest = high;
     for (const int v : t) {
-      const Vector3d& p = seen_[static_cast<std::size_t>(v)];
+      const Vector3d& p = seen_[v];
       left = std::min(left, p.x()), right = std::max(right, p.x());
       low = std::min(low, p.y()), high = std::max(high, p.y());
       shallowest = std::min(shallowest, p.z()), deepest = std::max(deepest, p.z());

@@ -94,6 +94,17 @@ Eigen::AlignedBox2d box_of(const Curve& curve) {
   return box;
 }
 
+Curve circle(const Vector2d& centre, double radius) {
+  const double k = 4.0 / 3 * (std::sqrt(2.0) - 1);
+  Curve out{{centre + Vector2d(radius, 0)}, true};
+  for (const auto& [x, y] : {std::pair{1., 0.}, {0., 1.}, {-1., 0.}, {0., -1.}}) {
+    const Vector2d from(x, y), to(-y, x);
+    for (const Vector2d& p : {Vector2d(from + k * to), Vector2d(to + k * from), to})
+      out.points.push_back(centre + radius * p);
+  }
+  return out;
+}
+
 double turns(const Curve& curve) {
   double out = 0, of_segment = 0;
   Vector2d before(0, 0);

@@ -14,6 +14,9 @@ Eigen::AlignedBox2d box_of(const Curve& curve);
 // How far the curve turns, in radians. Each segment, with the corner before it, counts as at most 1.
 double turns(const Curve& curve);
 
+// Counter-clockwise, in four segments; within 3e-4 of the radius.
+Curve circle(const Eigen::Vector2d& centre, double radius);
+
 struct CurvePoint {
   Eigen::Vector2d at;
   Eigen::Vector2d before, after;  // unit tangents; they differ at corners. Zero on a curve without length

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <map>
 #include <pugixml.hpp>
-#include <set>
 #include <string_view>
 
 #include "api/base/text.hpp"
 #include "worker/pattern/area.hpp"
 #include "worker/pattern/curve.hpp"
+#include "worker/pattern/sorting.hpp"
 #include "worker/pattern/svg_shape.hpp"
 
 namespace vacuform {
@@ -37,18 +37,6 @@ bool is_shape(std::string_view name) {
 }
 bool is_group(std::string_view name) { return one_of(name, {"g", "a", "svg", "switch"}); }
 
-double ink(const Colour& c) { return c.a * (1 - (0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b)); }
-bool has_ink(const Shape& shape) {
-  return (shape.fill && ink(*shape.fill) > 0) || (shape.stroke && ink(shape.stroke->colour) > 0);
-}
-
-AlignedBox2d box_of(const std::vector<Shape>& shapes) {
-  AlignedBox2d box;
-  for (const Shape& shape : shapes)
-    for (const Curve& curve : shape.curves) box.extend(box_of(curve));
-  return box;
-}
-
 class Reader {
  public:
   Reader(const pugi::xml_document& document, const Vector2d& size_mm)
@@ -69,7 +57,14 @@ class Reader {
     if (!sheets_.complete())
       refuse("a style sheet with selectors of several parts", "export it with plain attributes");
     read_root();
-    if (!refused()) return std::move(drawing_);
+    if (!refused()) {
+      std::vector<SortedElement> sorted = sort_into_elements(painted_, nodes_);
+      drawing_.elements = with_shapes(std::move(sorted), std::move(painted_));
+      for (const Element& element : drawing_.elements)
+        if (element.id.empty())
+          for (const Shape& shape : element.shapes) drawing_.loose_ink_mm2 += ink_mm2(shape);
+      return std::move(drawing_);
+    }
     warnings.push_back(
         {"pattern-as-picture",
          std::string("The drawing is printed as a picture and not as lines, because it contains ") +
@@ -88,15 +83,14 @@ class Reader {
     Vector2d viewport{0, 0};  // what percentages are taken of, user units
     double opacity = 1;
     int depth = 0;
-    bool named = false;  // inside an element of the drawing
+    int node = -1;        // of the file, in which it stands
+    bool copied = false;  // by a <use>, which names what it copies
   };
 
   void index(const pugi::xml_node& node) {
     const pugi::xml_attribute id = node.attribute("id");
     if (!id) return;
     of_id_.emplace(id.value(), node);
-    if (local_name(node) == "g")
-      for (pugi::xml_node up = node.parent(); up && holds_named_groups_.insert(up).second;) up = up.parent();
   }
 
   // pugixml does not expand entities. In the names of namespaces they do no harm.
@@ -191,11 +185,10 @@ class Reader {
     under.style = sheets_.of(node, parent.style, work_);
     if (!enter(node, under)) return;
 
-    const std::string id = element_id(node, name, under);
-    const std::size_t first = drawing_.elements.size(), before = paints_;
-    if (!id.empty()) {
-      under.named = true;
-      drawing_.elements.push_back({.id = id, .centre = {0, 0}, .shapes = {}});
+    const std::size_t before = paints_;
+    if (std::string id = parent.copied ? std::string() : id_of(node, use); !shape || !id.empty()) {
+      nodes_.push_back({std::move(id), parent.node, shape, parent.copied ? std::nullopt : place_of(node)});
+      under.node = static_cast<int>(nodes_.size()) - 1;
     }
     if (shape)
       paint(node, name, under);
@@ -208,56 +201,54 @@ class Reader {
     else
       children(node, under);
     if (under.opacity < 1 && parent.opacity != under.opacity && paints_ - before > 1) refuse_blend();
-    if (!id.empty()) finish_element(first);
   }
 
   void refuse_picture(const pugi::xml_node& node, std::string_view name, const Under& parent) {
-    if (sheets_.of(node, parent.style, work_)[Property::display] == "none") return;
-    if (name == "image") return refuse("a picture", "trace it");
-    const bool letters =
-        node.find_node([](const pugi::xml_node& inner) { return !trimmed(inner.value()).empty(); });
-    if (letters) refuse("text", "turn it into paths");
+    const Style style = sheets_.of(node, parent.style, work_);
+    if (style[Property::display] == "none" || svg_opacity(style[Property::opacity]) == 0) return;
+    if (name == "image")
+      return style[Property::visibility] == "visible" ? refuse("a picture", "trace it") : void();
+    if (shows_letters(node, style, parent.depth)) refuse("text", "turn it into paths");
   }
 
-  // The id under which what `node` draws is an element; empty: under none.
-  std::string element_id(const pugi::xml_node& node, std::string_view name, const Under& under) {
-    if (under.named) return {};
-    std::string id = node.attribute("id").value();
-    if (name == "g") {
-      const bool layer = std::string_view(node.attribute("inkscape:groupmode").value()) == "layer";
-      if (layer || id.empty()) return {};
-      if (holds_named_groups_.contains(node)) return {};
-    } else if (name == "use") {
-      // A copy without an id has the id of what it copies.
-      if (id.empty()) id = target(node).attribute("id").value();
-    } else if (!is_shape(name)) {
-      return {};
+  // Programs hide texts that stand for the strokes that they draw (KiCad), or that only search finds.
+  bool shows_letters(const pugi::xml_node& node, const Style& style, int depth) {
+    if (++work_ > most_work || depth > deepest) return true;
+    Refusal unknown;
+    const bool inked = style[Property::visibility] == "visible" &&
+                       (fill_of(style, 1, unknown) || style[Property::stroke] != "none" || unknown.given());
+    for (const pugi::xml_node child : node.children()) {
+      if (child.type() != pugi::node_element) {
+        if (inked && !trimmed(child.value()).empty()) return true;
+        continue;
+      }
+      if (one_of(local_name(child), {"title", "desc", "metadata"})) continue;
+      const Style own = sheets_.of(child, style, work_);
+      if (own[Property::display] != "none" && svg_opacity(own[Property::opacity]) != 0 &&
+          shows_letters(child, own, depth + 1))
+        return true;
     }
-    if (id.empty()) return id;
-    std::string unique = id;
-    for (int& n = copies_[id]; !ids_.insert(unique).second;)
-      unique = id + "-" + std::to_string(n = std::max(2, n + 1));
-    return unique;
+    return false;
   }
 
-  // An element must have ink. What has none is painted too, as part of no element.
-  void finish_element(std::size_t index) {
-    Element& element = drawing_.elements[index];
-    if (std::any_of(element.shapes.begin(), element.shapes.end(), has_ink)) {
-      element.centre = box_of(element.shapes).center();
-      return;
-    }
-    ids_.erase(element.id);
-    std::vector<Shape> shapes = std::move(element.shapes);
-    drawing_.elements.pop_back();
-    for (Shape& shape : shapes) add(std::move(shape), false);
+  // As a layout writes it (svg_of_rings()): at, u, drawn.
+  static std::optional<CoilPlace> place_of(const pugi::xml_node& node) {
+    const auto n = svg_numbers(node.attribute("data-place").value());
+    if (!n || n->size() != 8) return std::nullopt;
+    CoilPlace out{{(*n)[0], (*n)[1], (*n)[2]}, {(*n)[3], (*n)[4], (*n)[5]}, {(*n)[6], (*n)[7]}};
+    if (!(out.u.norm() > 0.5)) return std::nullopt;
+    out.u.normalize();
+    return out;
   }
 
-  void add(Shape shape, bool named) {
-    auto& elements = drawing_.elements;
-    if (!named && (elements.empty() || !elements.back().id.empty()))
-      elements.push_back({.id = {}, .centre = {0, 0}, .shapes = {}});
-    elements.back().shapes.push_back(std::move(shape));
+  // A copy without an id has the id of what it copies.
+  std::string id_of(const pugi::xml_node& node, bool use) const {
+    const std::string id = node.attribute("id").value();
+    return use && id.empty() ? target(node).attribute("id").value() : id;
+  }
+
+  void add(Shape shape, int node) {
+    for (Shape& piece : pieces_of(std::move(shape))) painted_.push_back({std::move(piece), node});
   }
 
   pugi::xml_node target(const pugi::xml_node& node) const {
@@ -274,6 +265,7 @@ class Reader {
     const pugi::xml_node drawn = target(node);
     if (!drawn) return;
     Under moved = under;
+    moved.copied = true;
     moved.to_pattern.translate(
         Vector2d(length_of(node, "x", LengthOf::width, under.viewport, refusal_).value_or(0),
                  length_of(node, "y", LengthOf::height, under.viewport, refusal_).value_or(0)));
@@ -371,9 +363,9 @@ class Reader {
       Shape line = shape;
       line.fill.reset();
       shape.stroke.reset();
-      add(std::move(line), under.named);
+      add(std::move(line), under.node);
     }
-    add(std::move(shape), under.named);
+    add(std::move(shape), under.node);
   }
 
   // From user units to pattern coordinates.
@@ -415,11 +407,10 @@ class Reader {
   const StyleSheets sheets_;
   const pugi::xml_node root_;
   std::map<std::string, pugi::xml_node> of_id_;
-  std::set<pugi::xml_node> holds_named_groups_;
   Drawing drawing_;
   std::vector<AlignedBox2d> boxes_;  // around each painted shape
-  std::set<std::string> ids_;        // of elements
-  std::map<std::string, int> copies_;
+  std::vector<FileNode> nodes_;
+  std::vector<PaintedShape> painted_;
   std::size_t work_ = 0, segments_ = 0, paints_ = 0;
   double length_ = 0, crossings_ = 0;
   Refusal refusal_;
@@ -427,13 +418,16 @@ class Reader {
 
 }  // namespace
 
-std::optional<Drawing> read_drawing(std::span<const std::uint8_t> bytes, const Pattern& pattern,
+std::optional<Drawing> read_drawing(const std::string& svg, const Vector2d& size_mm,
                                     std::vector<Warning>& warnings) {
   pugi::xml_document document;
-  if (pattern.format() != "SVG" ||
-      !document.load_buffer(bytes.data(), bytes.size(), pugi::parse_default | pugi::parse_doctype))
+  if (svg.empty() || !document.load_buffer(svg.data(), svg.size(), pugi::parse_default | pugi::parse_doctype))
     return std::nullopt;
-  return Reader(document, pattern.size_mm()).read(warnings);
+  return Reader(document, size_mm).read(warnings);
+}
+
+std::optional<Drawing> read_drawing(const Pattern& pattern, std::vector<Warning>& warnings) {
+  return read_drawing(pattern.svg(), pattern.size_mm(), warnings);
 }
 
 }  // namespace vacuform

@@ -1,8 +1,7 @@
-// The user's drawing as vectors: what is painted, in pattern coordinates, sorted into elements.
+// The user's drawing as vectors: what is painted, in pattern coordinates, sorted into elements (sorting.hpp).
 //
-// An *element* is one coil, or one figure that keeps its shape: a group of the SVG with an id that contains no other
-// such group (the search descends into layers and groups of groups), or a shape with an id outside such groups. What is
-// in no element, such as a line that joins coils, is painted too.
+// An *element* is one coil with its marks, or one figure that keeps its shape. What is in no element, such as a line
+// that joins coils, is painted too.
 #pragma once
 
 #include <Eigen/Core>
@@ -51,26 +50,45 @@ struct Shape {
   std::optional<Stroke> stroke;
 };
 
+// The loop of a coil: the middle of its trace, closed across its gaps.
+struct DrawnLoop {
+  std::vector<Eigen::Vector2d> line;  // closed, pattern coordinates; the first point is not repeated
+  double width_mm = 0;                // of the trace
+  double area_mm2 = 0;                // enclosed; of a line that crosses itself that of all its lobes
+  bool filled = false;                // drawn by its outlines and not as a line
+};
+
+// Where a layout (worker/coils/array_layout.hpp) put a coil on the surface that it was made for.
+struct CoilPlace {
+  Eigen::Vector3d at{0, 0, 0},
+      u{1, 0, 0};               // of its centre on the inked surface, mm; the direction of u there
+  Eigen::Vector2d drawn{0, 0};  // its centre in the drawing then, pattern coordinates
+};
+
 struct Element {
   std::string id;  // empty: not in an element
-  Eigen::Vector2d centre{
-      0, 0};  // middle of the box around the curves, pattern coordinates; unused without an id
+  // Middle of the box around the loop, or else around the curves, pattern coordinates; unused without an id.
+  Eigen::Vector2d centre{0, 0};
   std::vector<Shape> shapes;
+  std::optional<DrawnLoop> loop = {};   // of a coil
+  std::optional<CoilPlace> place = {};  // of a coil, from `data-place` of its group
 };
 
 struct Drawing {
   Eigen::Vector2d size_mm{0, 0};
   std::vector<Element> elements;  // in the order of painting
+  double loose_ink_mm2 = 0;       // in no element; where shapes overlap, of each
 };
 
-// Reads the SVG that `pattern` was read from, at the size of the pattern: basic shapes, paths, use, symbols, groups,
+// Reads the SVG of the pattern (pattern.svg()), at the size of the pattern: basic shapes, paths, use, symbols, groups,
 // inner pages, transforms, presentation attributes, style attributes and style sheets of simple selectors. Keeps what
 // extends beyond the page; the printing code cuts it. Returns nothing if the drawing is not an SVG, or if it contains
 // what these vectors cannot represent (text, pictures, gradients, filters, clips, masks, markers, blended groups, more
-// than 200,000 segments). `warnings` then says what, and how to fix it ("pattern-as-picture"). An element has ink:
-// white shapes alone are not an element. If ids are equal, the later ones get "-2", "-3", ...; a <use> without an id
-// has the id of its target. Deterministic; takes about a second at most for any input.
-std::optional<Drawing> read_drawing(std::span<const std::uint8_t> bytes, const Pattern& pattern,
+// than 200,000 segments). `warnings` then says what, and how to fix it ("pattern-as-picture"). A <use> without an id has
+// the id of its target. Deterministic; takes about a second at most for any input.
+std::optional<Drawing> read_drawing(const Pattern& pattern, std::vector<Warning>& warnings);
+// The same of the text of an SVG whose page has that size. Its root has a viewBox, or a size in user units.
+std::optional<Drawing> read_drawing(const std::string& svg, const Eigen::Vector2d& size_mm,
                                     std::vector<Warning>& warnings);
 
 }  // namespace vacuform

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
+#include "worker/numerics/disjoint_sets.hpp"
 #include "worker/numerics/plane.hpp"
 #include "worker/pattern/curve.hpp"
 
@@ -14,29 +14,9 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr float inked = 0.5f;
+constexpr float half_covered = 0.5f;
 constexpr double smoothed_mm = 0.25;         // width of the smoothed edge beside a ring
 constexpr std::size_t most_outlines = 1000;  // of a part that is searched for rings
-
-Curve circle(const Vector2d& centre, double r) {
-  const double k = 4.0 / 3 * (std::sqrt(2.0) - 1);
-  Curve out{{}, true};
-  for (const auto& [x, y] : {std::pair{1., 0.},
-                             {1., k},
-                             {k, 1.},
-                             {0., 1.},
-                             {-k, 1.},
-                             {-1., k},
-                             {-1., 0.},
-                             {-1., -k},
-                             {-k, -1.},
-                             {0., -1.},
-                             {k, -1.},
-                             {1., -k},
-                             {1., 0.}})
-    out.points.push_back(centre + r * Vector2d(x, y));
-  return out;
-}
 
 // Whether it has two holes or more, together larger than the ink.
 bool is_entangled(const Shape& shape) {
@@ -52,27 +32,6 @@ bool is_entangled(const Shape& shape) {
   return count >= 2 && holes > outside - holes;
 }
 
-// Disjoint sets of grid points; the first in order names its set.
-class Sets {
- public:
-  explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-  int root(int i) {
-    while (parent_[static_cast<std::size_t>(i)] != i) {
-      int& up = parent_[static_cast<std::size_t>(i)];
-      up = parent_[static_cast<std::size_t>(up)];
-      i = up;
-    }
-    return i;
-  }
-  void join(int a, int b) {
-    a = root(a), b = root(b);
-    parent_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-  }
-
- private:
-  std::vector<int> parent_;
-};
-
 }  // namespace
 
 InkParts::InkParts(const Pattern& pattern) {
@@ -83,8 +42,7 @@ InkParts::InkParts(const Pattern& pattern) {
   rows_ = static_cast<int>(std::ceil(drawing_.size_mm.y() / step_)) + 2;
   const std::vector<float> ink = coverage(pattern);
   label(ink);
-  outline(ink);
-  part_rings();
+  sort(pieces(outline(ink)));
   spread();
 }
 
@@ -107,41 +65,27 @@ std::vector<float> InkParts::coverage(const Pattern& pattern) const {
 }
 
 void InkParts::label(const std::vector<float>& ink) {
-  Sets sets(ink.size());
+  DisjointSets sets(ink.size());
   for (int y = 1; y < rows_; ++y)
     for (int x = 1; x + 1 < columns_; ++x) {
-      if (ink[index(x, y)] < inked) continue;
+      if (ink[index(x, y)] < half_covered) continue;
       for (const auto& [dx, dy] : {std::pair{-1, 0}, {-1, -1}, {0, -1}, {1, -1}})
-        if (const auto beside = index(x + dx, y + dy); ink[beside] >= inked)
+        if (const auto beside = index(x + dx, y + dy); ink[beside] >= half_covered)
           sets.join(static_cast<int>(index(x, y)), static_cast<int>(beside));
     }
-  std::vector<Eigen::Vector3d> sums(ink.size(), Eigen::Vector3d::Zero());  // u, v, points
-  for (int y = 0; y < rows_; ++y)
-    for (int x = 0; x < columns_; ++x)
-      if (ink[index(x, y)] >= inked) {
-        const Vector2d at = uv(x, y);
-        sums[static_cast<std::size_t>(sets.root(static_cast<int>(index(x, y))))] +=
-            Eigen::Vector3d(at.x(), at.y(), 1);
-      }
-  std::vector<std::int32_t> element(ink.size(), -1);
-  for (std::size_t i = 0; i < sums.size(); ++i) {
-    if (sums[i].z() * step_ * step_ <= 1) continue;
-    element[i] = static_cast<std::int32_t>(drawing_.elements.size());
-    Shape shape;
-    shape.fill = Colour{};
-    shape.even_odd = true;
-    drawing_.elements.push_back({.id = std::string("ink-") + std::to_string(drawing_.elements.size() + 1),
-                                 .centre = sums[i].head<2>() / sums[i].z(),
-                                 .shapes = {std::move(shape)}});
-  }
+  std::vector<std::int32_t> points(ink.size(), 0), part(ink.size(), -1);
+  for (std::size_t i = 0; i < ink.size(); ++i)
+    if (ink[i] >= half_covered) ++points[sets.root(static_cast<int>(i))];
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (points[i] * step_ * step_ > 1) part[i] = part_count_++;
   labels_.assign(ink.size(), -1);
   for (std::size_t i = 0; i < ink.size(); ++i)
-    if (ink[i] >= inked) labels_[i] = element[static_cast<std::size_t>(sets.root(static_cast<int>(i)))];
+    if (ink[i] >= half_covered) labels_[i] = part[sets.root(static_cast<int>(i))];
 }
 
 // Marching squares (Lorensen, Cline 1987, in the plane), ink on the left. Where opposite corners of a cell have ink
 // they are joined, as in the labels.
-void InkParts::outline(const std::vector<float>& ink) {
+std::vector<Shape> InkParts::outline(const std::vector<float>& ink) {
   // Edges of the grid: 2 i from point i to the right, 2 i + 1 from it downwards.
   std::vector<std::int32_t> next(2 * ink.size(), -1);
   for (int y = 0; y + 1 < rows_; ++y)
@@ -152,25 +96,26 @@ void InkParts::outline(const std::vector<float>& ink) {
       const std::array<std::size_t, 4> edge{2 * corner[0], 2 * corner[2] + 1, 2 * corner[3],
                                             2 * corner[3] + 1};
       for (std::size_t k = 0; k < 4; ++k) {
-        if (ink[corner[k]] < inked || ink[corner[(k + 1) % 4]] >= inked) continue;
+        if (ink[corner[k]] < half_covered || ink[corner[(k + 1) % 4]] >= half_covered) continue;
         std::size_t other = (k + 1) % 4;
-        while ((ink[corner[other]] >= inked) == (ink[corner[(other + 1) % 4]] >= inked))
+        while ((ink[corner[other]] >= half_covered) == (ink[corner[(other + 1) % 4]] >= half_covered))
           other = (other + 1) % 4;
         next[edge[k]] = static_cast<std::int32_t>(edge[other]);
       }
     }
   const auto crossing = [&](std::size_t e) {
     const std::size_t a = e / 2, b = e % 2 == 0 ? a + 1 : a + static_cast<std::size_t>(columns_);
-    const double f = (inked - ink[a]) / (ink[b] - ink[a]);
+    const double f = (half_covered - ink[a]) / (ink[b] - ink[a]);
     const auto columns = static_cast<std::size_t>(columns_);
     const std::size_t column = a % columns, row = a / columns;
     const auto x = static_cast<double>(column), y = static_cast<double>(row);
     return e % 2 == 0 ? uv(x + f, y) : uv(x, y + f);
   };
+  std::vector<Shape> out(static_cast<std::size_t>(part_count_), Shape{{}, Colour{}, true, {}});
   for (std::size_t first = 0; first < next.size(); ++first) {
     if (next[first] < 0) continue;
     const std::size_t a = first / 2, b = first % 2 == 0 ? a + 1 : a + static_cast<std::size_t>(columns_);
-    const std::int32_t element = std::max(labels_[a], labels_[b]);
+    const std::int32_t part = std::max(labels_[a], labels_[b]);
     Curve curve{.points = {crossing(first)}, .closed = true};
     for (std::size_t e = first; next[e] >= 0;) {
       const auto to = static_cast<std::size_t>(next[e]);
@@ -179,9 +124,9 @@ void InkParts::outline(const std::vector<float>& ink) {
       const Vector2d from = curve.points.back(), p = e == first ? curve.points.front() : crossing(e);
       curve.points.insert(curve.points.end(), {from + (p - from) / 3, p - (p - from) / 3, p});
     }
-    if (element >= 0)
-      drawing_.elements[static_cast<std::size_t>(element)].shapes[0].curves.push_back(std::move(curve));
+    if (part >= 0) out[part].curves.push_back(std::move(curve));
   }
+  return out;
 }
 
 // Ink beside a part is its smoothed edge.
@@ -206,20 +151,19 @@ void InkParts::spread() {
   }
 }
 
-// Replaces a part that consists of several rings by one element for each ring.
-void InkParts::part_rings() {
-  std::vector<Element> elements;
-  for (Element& whole : drawing_.elements) {
+// The pieces: parts, and the rings of parts that consist of several.
+std::vector<PaintedShape> InkParts::pieces(std::vector<Shape> parts) {
+  std::vector<PaintedShape> out;
+  for (Shape& shape : parts) {
     const auto part = static_cast<int>(parts_.size());
     std::vector<InkRing> rings;
-    Shape& shape = whole.shapes[0];
     if (shape.curves.size() >= 3 && shape.curves.size() <= most_outlines)
       rings = find_rings(shape.curves, [&](const Vector2d& at) { return part_at(at) == part; });
-    parts_.push_back({static_cast<int>(elements.size()), 1});
+    parts_.push_back({static_cast<int>(out.size()), 1});
     if (rings.size() < 2) {
       entangled_ |= is_entangled(shape);
       rings_.emplace_back();
-      elements.push_back(std::move(whole));
+      out.push_back({std::move(shape)});
       continue;
     }
     std::sort(rings.begin(), rings.end(), [](const InkRing& a, const InkRing& b) {
@@ -230,27 +174,39 @@ void InkParts::part_rings() {
       Shape of_ring{{}, shape.fill, true, {}};
       for (const double r : {ring.radius + ring.half_width, ring.radius - ring.half_width})
         of_ring.curves.push_back(circle(ring.centre, r));
-      elements.push_back({.id = {}, .centre = ring.centre, .shapes = {std::move(of_ring)}});
+      out.push_back({std::move(of_ring)});
       rings_.emplace_back(ring);
     }
   }
-  for (std::size_t i = 0; i < elements.size(); ++i)
-    elements[i].id = std::string("ink-") + std::to_string(i + 1);
-  drawing_.elements = std::move(elements);
+  return out;
+}
+
+void InkParts::sort(std::vector<PaintedShape> pieces) {
+  element_of_.assign(pieces.size(), -1);
+  for (SortedElement& found : sort_into_elements(pieces, {})) {
+    Element& element = drawing_.elements.emplace_back();
+    element.id = std::move(found.id), element.centre = found.centre, element.loop = std::move(found.loop);
+    for (const int i : found.pieces) {
+      element_of_[i] = static_cast<int>(drawing_.elements.size()) - 1;
+      element.shapes.push_back(std::move(pieces[i].shape));
+    }
+  }
+  for (std::size_t i = 0; i < pieces.size(); ++i)
+    if (element_of_[i] < 0) drawing_.loose_ink_mm2 += ink_mm2(pieces[i].shape);
 }
 
 bool InkParts::holds(int element, const Vector2d& uv) const {
   const int at = part_at(uv);
   if (at < 0) return element < 0;
-  const Part& part = parts_[static_cast<std::size_t>(at)];
-  const auto in = [&](int e) {
-    const auto& ring = rings_[static_cast<std::size_t>(e)];
-    return !ring || ring->holds(uv, smoothed_mm);
-  };
-  if (element >= 0) return element >= part.first && element < part.first + part.count && in(element);
-  for (int e = part.first; e < part.first + part.count; ++e)
-    if (in(e)) return false;
-  return true;
+  const Part& part = parts_[at];
+  bool in_any = false;
+  for (int i = part.first; i < part.first + part.count; ++i) {
+    const auto& ring = rings_[i];
+    if (element_of_[i] < 0 || (ring && !ring->holds(uv, smoothed_mm))) continue;
+    if (element_of_[i] == element) return true;
+    in_any = true;
+  }
+  return element < 0 && !in_any;
 }
 
 int InkParts::part_at(const Vector2d& at) const {
@@ -270,13 +226,7 @@ std::optional<InkParts> parts_to_place(const Pattern& pattern, PatternPlacement 
         {"ink-hangs-together",
          "Loops of the picture touch or overlap, and could not be separated as circles: each connected "
          "group is laid as one element."});
-  if (placement == PatternPlacement::elements && !elements.empty()) return parts;
-  if (elements.size() < 2 || elements.size() > 128) return std::nullopt;
-  for (const Element& element : elements) {
-    Eigen::AlignedBox2d box;
-    for (const Curve& curve : element.shapes[0].curves) box.extend(box_of(curve));
-    if (box.sizes().maxCoeff() > 150) return std::nullopt;
-  }
+  if (elements.empty()) return std::nullopt;
   return parts;
 }
 

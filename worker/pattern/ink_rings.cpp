@@ -127,7 +127,7 @@ std::optional<Circles> circles_about(const Vector2d& centre, const std::vector<B
     const double d = to.norm();
     if (d < least_radius / 2 || d >= most_radius) continue;
     if (std::abs(cross(p.inward, to)) > aimed_mm) continue;
-    arcs[p.inward.dot(to) > 0 ? 0 : 1][static_cast<std::size_t>(d / bin)] += p.mm;
+    arcs[p.inward.dot(to) > 0 ? 0 : 1][d / bin] += p.mm;
   }
   const auto peak = [&](const std::vector<double>& arc, std::size_t below) {
     std::size_t best = 0;

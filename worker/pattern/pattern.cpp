@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string_view>
 
 #include "api/base/decimal.hpp"
+#include "worker/pattern/drawing_format.hpp"
+#include "worker/pattern/dxf_drawing.hpp"
 #include "worker/pattern/raster.hpp"
+#include "worker/pattern/svg_size.hpp"
 #include "worker/stage/parallel.hpp"
 
 namespace vacuform {
@@ -80,25 +82,49 @@ Ink straight(const float* s) {
   return {std::min(1.0f, s[0] / s[3]), std::min(1.0f, s[1] / s[3]), std::min(1.0f, s[2] / s[3]), s[3]};
 }
 
-enum class Format { png, jpeg, svg, gzip, unknown };
-
-Format format_of(std::span<const std::uint8_t> bytes) {
-  const auto starts = [&](std::string_view magic) {
-    return bytes.size() >= magic.size() &&
-           std::equal(magic.begin(), magic.end(), bytes.begin(),
-                      [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
+// Where a picture has its size from.
+Result<std::string> size_of_pixels(const Raster& raster, const std::string& format,
+                                   const std::string& file_name, const PatternSettings& settings,
+                                   Eigen::Vector2d& size_mm) {
+  // Pixels need not be square; a given width keeps their shape.
+  const auto sized = [&](const Eigen::Vector2d& pixel) {
+    return Eigen::Vector2d(raster.width * pixel.x(), raster.height * pixel.y());
   };
-  if (starts("\x89PNG\r\n\x1a\n")) return Format::png;
-  if (starts("\xff\xd8\xff")) return Format::jpeg;
-  if (starts("\x1f\x8b")) return Format::gzip;
-  // XML may begin with a byte order mark and white space.
-  std::string_view head(reinterpret_cast<const char*>(bytes.data()),
-                        std::min<std::size_t>(bytes.size(), 1 << 16));
-  if (head.starts_with("\xef\xbb\xbf")) head.remove_prefix(3);
-  const auto first = head.find_first_not_of(" \t\r\n");
-  if (first != std::string_view::npos && head[first] == '<' && head.find("svg") != std::string_view::npos)
-    return Format::svg;
-  return Format::unknown;
+  const Eigen::Vector2d own = raster.pixel_mm.value_or(Eigen::Vector2d(1, 1));
+  if (settings.width_mm) {
+    size_mm = sized(own);
+    size_mm *= *settings.width_mm / size_mm.x();
+    return "a width of " + short_decimal(*settings.width_mm, 8) + " mm, as pattern.width_mm says";
+  }
+  if (settings.dpi) {
+    size_mm = sized(own);
+    size_mm *= raster.width * 25.4 / *settings.dpi / size_mm.x();
+    return short_decimal(*settings.dpi) + " pixels an inch, as pattern.dpi says";
+  }
+  if (!raster.pixel_mm)
+    return fail(Code::unusable_pattern, "the " + format + " does not say how large the drawing is", file_name,
+                "give pattern.width_mm or pattern.dpi");
+  const auto dpi_of = [](const Eigen::Vector2d& pixel) { return 25.4 / pixel.x(); };
+  if (raster.exif_pixel_mm) {
+    // JFIF has whole numbers only.
+    constexpr double rounding = 0.01;
+    const Eigen::Vector2d& other = *raster.exif_pixel_mm;
+    if (((own - other).array().abs() > rounding * own.array()).any()) {
+      std::vector<Proposal> proposals;
+      for (const auto& [pixel, who] :
+           {std::pair(own, ", as its JFIF data says"), {other, ", as its Exif data says"}}) {
+        const Eigen::Vector2d mm = sized(pixel);
+        proposals.push_back({{{"pattern.dpi", std::round(1000 * dpi_of(pixel)) / 1000}},
+                             decimal(mm.x(), 1) + " x " + decimal(mm.y(), 1) + " mm" + who});
+      }
+      return fail(Code::unusable_pattern,
+                  "the JPEG has " + short_decimal(dpi_of(own)) + " pixels an inch by its JFIF data and " +
+                      short_decimal(dpi_of(other)) + " by its Exif data",
+                  file_name, "say how large it is", std::move(proposals), "give pattern.width_mm");
+    }
+  }
+  size_mm = sized(own);
+  return short_decimal(dpi_of(own)) + " pixels an inch, as the file says";
 }
 
 Result<void> check_size(const Eigen::Vector2d& mm, const std::string& file_name) {
@@ -124,7 +150,7 @@ struct Pattern::Picture {
   Eigen::Vector2d size_mm;
   Eigen::Vector2d texel_mm{0, 0};  // of level 0
   double texel_side_mm = 0;        // of a square of its area
-  std::string format;
+  std::string format, size_from, svg;
   double ink_mm2 = 0;
   std::vector<Warning> warnings;
 
@@ -166,7 +192,7 @@ struct Pattern::Picture {
     const Eigen::Vector2d move(step.x() / texel.x(), -step.y() / texel.y());
     std::fill_n(out, static_cast<std::ptrdiff_t>(n) * count, 0.0f);
     for (int l = low; l <= low + (blend > 0 ? 1 : 0); ++l) {
-      const Level& level = levels[static_cast<std::size_t>(l)];
+      const Level& level = levels[l];
       const double shrink = 1.0 / static_cast<double>(std::int64_t{1} << l);
       const float weight = (l == low ? 1 - blend : blend) / 255;
       const Eigen::Vector2d a = at * shrink, d = move * shrink;
@@ -184,60 +210,63 @@ Pattern& Pattern::operator=(Pattern&&) noexcept = default;
 
 Result<Pattern> Pattern::read(std::span<const std::uint8_t> bytes, const std::string& file_name,
                               const PatternSettings& settings, int dpi) {
-  const auto sizeless = [&](const std::string& what) {
-    return fail(Code::unusable_pattern, what + " does not say how large the drawing is", file_name,
-                "give pattern.width_mm");
-  };
   auto picture = std::make_shared<Picture>();
   std::optional<Raster> decoded;
   double wanted_dpi = dpi * settings.scale;  // of the drawing, so that the print shows all that it can
 
-  switch (format_of(bytes)) {
-    case Format::png:
-    case Format::jpeg: {
-      const bool png = format_of(bytes) == Format::png;
+  switch (const DrawingFormat format = drawing_format(bytes)) {
+    case DrawingFormat::png:
+    case DrawingFormat::jpeg: {
+      const bool png = format == DrawingFormat::png;
       picture->format = png ? "PNG" : "JPEG";
       VACUFORM_TRY(raster, decode([&](int channels) {
                      const RasterUse use{.channels = channels};
                      return png ? read_png(bytes, file_name, use) : read_jpeg(bytes, file_name, use);
                    }));
-      if (!settings.width_mm && !raster.pixel_mm) return sizeless("the " + picture->format);
-      // Pixels need not be square; a given width keeps their shape.
-      const Eigen::Vector2d pixel = raster.pixel_mm.value_or(Eigen::Vector2d(1, 1));
-      picture->size_mm = {raster.width * pixel.x(), raster.height * pixel.y()};
-      if (settings.width_mm) picture->size_mm *= *settings.width_mm / picture->size_mm.x();
+      VACUFORM_TRY(size_from, size_of_pixels(raster, picture->format, file_name, settings, picture->size_mm));
+      picture->size_from = std::move(size_from);
       VACUFORM_CHECK(check_size(picture->size_mm, file_name));
       decoded = std::move(raster);
       break;
     }
-    case Format::svg: {
-      picture->format = "SVG";
-      VACUFORM_TRY(size, read_svg_size(bytes, file_name));
-      if (!settings.width_mm && !size.size_mm) return sizeless("the SVG");
-      picture->size_mm = settings.width_mm
-                             ? Eigen::Vector2d(*settings.width_mm, *settings.width_mm / size.aspect)
-                             : *size.size_mm;
+    case DrawingFormat::dxf:
+    case DrawingFormat::svg: {
+      SizedSvg sized;
+      if (format == DrawingFormat::svg) {
+        picture->format = "SVG";
+        VACUFORM_TRY(text, svg_text(bytes, file_name));
+        VACUFORM_CHECK(check_svg(text, file_name));
+        VACUFORM_TRY(in_mm, size_svg(std::move(text), file_name, settings));
+        sized = std::move(in_mm);
+      } else {
+        picture->format = "DXF";
+        VACUFORM_TRY(in_mm, dxf_drawing({reinterpret_cast<const char*>(bytes.data()), bytes.size()},
+                                        file_name, settings));
+        sized = std::move(in_mm);
+      }
+      VACUFORM_TRY(work, check_svg(sized.text, file_name));
+      picture->size_mm = sized.size_mm;
+      picture->size_from = std::move(sized.size_from);
+      picture->warnings = std::move(sized.warnings);
+      picture->svg = std::move(sized.text);
       VACUFORM_CHECK(check_size(picture->size_mm, file_name));
       // Finer than the print by the number of samples in each of its pixels.
       const double fine = std::max(2 * wanted_dpi, 300.0);
       const double pixels = (picture->size_mm / 25.4 * fine).prod();
       const double wanted = std::min(pixels, 0.98 * static_cast<double>(largest_raster));
-      VACUFORM_TRY(affordable, affordable_pixels(size.work, wanted, file_name));
+      VACUFORM_TRY(affordable, affordable_pixels(work, wanted, file_name));
       const double draw_dpi = fine * std::min(1.0, std::sqrt(affordable / pixels));
       const auto side = [&](double mm) { return std::clamp(std::ceil(mm / 25.4 * draw_dpi), 1.0, 32000.0); };
       const int width = static_cast<int>(side(picture->size_mm.x())),
                 height = static_cast<int>(side(picture->size_mm.y()));
-      VACUFORM_TRY(raster,
-                   decode([&](int channels) { return draw_svg(bytes, file_name, width, height, channels); }));
+      VACUFORM_TRY(raster, decode([&](int channels) {
+                     return draw_svg(picture->svg, file_name, width, height, channels);
+                   }));
       decoded = std::move(raster);
       break;
     }
-    case Format::gzip:
-      return fail(Code::unsupported_format, "the drawing is compressed", file_name,
-                  "unpack it: give a PNG, JPEG or plain SVG file");
-    case Format::unknown:
-      return fail(Code::unsupported_format, "the drawing is neither PNG, JPEG nor SVG", file_name,
-                  "give a PNG, JPEG or SVG file");
+    case DrawingFormat::other:
+      return unread_format(bytes, file_name);
   }
 
   picture->build(std::move(*decoded));
@@ -246,7 +275,7 @@ Result<Pattern> Pattern::read(std::span<const std::uint8_t> bytes, const std::st
                 "give a drawing with ink in it");
   const double has_dpi = 25.4 / picture->texel_mm.maxCoeff();
   // A print that is finer than its drawing looks the same until the pixels become visible.
-  if (has_dpi < (picture->format == "SVG" ? 0.9 * wanted_dpi : std::min(150.0, 0.5 * wanted_dpi)))
+  if (has_dpi < (!picture->svg.empty() ? 0.9 * wanted_dpi : std::min(150.0, 0.5 * wanted_dpi)))
     picture->warnings.push_back({"pattern-coarse",
                                  "The drawing has " + decimal(has_dpi, 0) +
                                      " pixels an inch where the print could show " + decimal(wanted_dpi, 0) +
@@ -274,6 +303,8 @@ Eigen::Vector2i Pattern::size_pixels() const {
 }
 bool Pattern::grayscale() const { return picture_->channels == 1; }
 const std::string& Pattern::format() const { return picture_->format; }
+const std::string& Pattern::size_from() const { return picture_->size_from; }
+const std::string& Pattern::svg() const { return picture_->svg; }
 double Pattern::ink_mm2() const { return picture_->ink_mm2; }
 const std::vector<Warning>& Pattern::warnings() const { return picture_->warnings; }
 

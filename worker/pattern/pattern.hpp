@@ -28,10 +28,12 @@ class Pattern {
   // Decodes the drawing. An SVG is drawn finely enough for prints at `dpi`, but with at most 64 million pixels, and
   // fewer if more would take longer than about ten seconds of processor time (svg_work.hpp). The first bytes determine
   // the format, not the name. The physical size is, in this order: settings.width_mm; the width or height of the SVG in
-  // absolute units (px are 1/96 in); the pHYs of the PNG or the density of the JPEG; otherwise unusable_pattern with
-  // the fix "give pattern.width_mm". The Exif orientation of a JPEG is applied. Only the bytes are read: an SVG that
-  // refers to other files is rejected. Errors: unsupported_format, corrupt_file, too_large (above 64 million pixels, or
-  // too much work to draw), unusable_pattern (no ink or size).
+  // mm, cm, in, pt or pc; settings.dpi pixels an inch; the pixels of the program that wrote the SVG, where it is known;
+  // the pHYs of the PNG or the density of the JPEG, in JFIF or Exif. For pictures settings.dpi counts before the file.
+  // Otherwise, and where these contradict each other, unusable_pattern, with the settings that choose a size as
+  // proposals. The Exif orientation of a JPEG is applied. Only the bytes are read: an SVG that refers to other files is
+  // rejected. Errors: unsupported_format (which format it is, where that is known), corrupt_file, too_large (above 64
+  // million pixels, or too much work to draw), unusable_pattern (no ink or size).
   static Result<Pattern> read(std::span<const std::uint8_t> bytes, const std::string& file_name,
                               const PatternSettings& settings, int dpi);
   // A picture that was made, not read: rows from the top of premultiplied red, green, blue and alpha. It may be without
@@ -46,8 +48,12 @@ class Pattern {
   Eigen::Vector2i size_pixels() const;  // as decoded or drawn
   bool grayscale() const;             // no colour anywhere: the print is grayscale too, transparency is white
   const std::string& format() const;  // "SVG", "PNG", "JPEG"
-  double ink_mm2() const;             // area of the drawing's ink, each pixel by its coverage; above 0
-  const std::vector<Warning>& warnings() const;  // "pattern-coarse": fewer pixels than the print could show
+  const std::string& size_from()
+      const;  // which unit and why, such as "120 x 80 mm, as the file says"; empty if made
+  // The text that was drawn: UTF-8, its size in mm (svg_size.hpp). Empty if the drawing is no SVG.
+  const std::string& svg() const;
+  double ink_mm2() const;  // area of the drawing's ink, each pixel by its coverage; above 0
+  const std::vector<Warning>& warnings() const;  // "pattern-coarse", "pattern-units"
 
   // The drawing around `uv` (mm from its centre, v up), averaged over a disk-like footprint of diameter `blur_mm`
   // (box-filtered pyramid, bilinear between and within levels). A grayscale drawing gives black at the opacity of its

@@ -64,7 +64,8 @@ void Raster::turn_upright() {
   pixels = std::move(turned);
   width = new_width;
   height = new_height;
-  if (transposed && pixel_mm) std::swap(pixel_mm->x(), pixel_mm->y());
+  for (auto* pixel : {&pixel_mm, &exif_pixel_mm})
+    if (transposed && *pixel) std::swap((*pixel)->x(), (*pixel)->y());
   orientation = 1;
 }
 

@@ -24,9 +24,10 @@ struct Raster {
   int width = 0, height = 0;
   int channels = 1;                  // 1: ink coverage (darkness), 4: premultiplied red, green, blue, alpha
   std::vector<std::uint8_t> pixels;  // rows from the top
-  std::optional<Eigen::Vector2d> pixel_mm;  // the file's own resolution
-  int orientation = 1;                      // as in Exif: 1 upright ... 8
-  bool needs_colour = false;                // channels is 1 and a coloured pixel came: decode again with 4
+  std::optional<Eigen::Vector2d> pixel_mm;       // the file's own resolution
+  std::optional<Eigen::Vector2d> exif_pixel_mm;  // another resolution of the same file, in its Exif data
+  int orientation = 1;                           // as in Exif: 1 upright ... 8
+  bool needs_colour = false;  // channels is 1 and a coloured pixel came: decode again with 4
 
   // Appends one row of premultiplied RGBA. False when the row has colour that one channel cannot hold.
   bool append(const std::uint8_t* premultiplied);
@@ -56,18 +57,11 @@ Result<Raster> read_jpeg(std::span<const std::uint8_t> bytes, const std::string&
 tl::unexpected<Error> too_many_pixels(std::int64_t width, std::int64_t height, const std::string& file_name,
                                       const RasterUse& use);
 
-// The size that an SVG states. If that is not absolute, size_mm is empty and only the aspect is known.
-struct SvgSize {
-  std::optional<Eigen::Vector2d> size_mm;
-  double aspect = 1;  // width / height
-  SvgWork work;
-};
-
-// Rejects bytes that are not SVG or not well-formed XML, that refer to other files (nothing outside the bytes is ever
-// read), or that are too much to draw.
-Result<SvgSize> read_svg_size(std::span<const std::uint8_t> bytes, const std::string& file_name);
+// Rejects a text that is not SVG or not well-formed XML, that refers to other files (nothing outside the text is ever
+// read), or that is too much to draw.
+Result<SvgWork> check_svg(const std::string& text, const std::string& file_name);
 // Draws the whole document onto width x height pixels.
-Result<Raster> draw_svg(std::span<const std::uint8_t> bytes, const std::string& file_name, int width,
-                        int height, int channels);
+Result<Raster> draw_svg(const std::string& text, const std::string& file_name, int width, int height,
+                        int channels);
 
 }  // namespace vacuform

@@ -6,6 +6,7 @@
 // jpeglib.h needs the types of stdio first.
 #include <jpeglib.h>
 
+#include "api/redaction/exif.hpp"
 #include "worker/pattern/raster.hpp"
 
 namespace vacuform {
@@ -83,31 +84,6 @@ class JpegReader {
   char message_[JMSG_LENGTH_MAX] = "unknown fault";
 };
 
-// The orientation tag of the first image directory of an Exif block; 1 if it is missing or invalid.
-int exif_orientation(std::span<const std::uint8_t> block) {
-  if (block.size() < 14 || std::memcmp(block.data(), "Exif\0\0", 6) != 0) return 1;
-  const auto tiff = block.subspan(6);
-  const bool little = tiff[0] == 'I';
-  const auto u16 = [&](std::size_t at) -> std::uint32_t {
-    if (at + 2 > tiff.size()) return 0;
-    return little ? tiff[at] | tiff[at + 1] << 8 : tiff[at] << 8 | tiff[at + 1];
-  };
-  const auto u32 = [&](std::size_t at) -> std::uint64_t {
-    return little ? u16(at) | std::uint64_t{u16(at + 2)} << 16 : std::uint64_t{u16(at)} << 16 | u16(at + 2);
-  };
-  const std::uint64_t directory = u32(4);
-  if (directory > tiff.size()) return 1;
-  const std::uint32_t entries = u16(directory);
-  for (std::uint32_t i = 0; i < entries; ++i) {
-    const std::size_t at = directory + 2 + 12 * std::size_t{i};
-    if (at + 12 > tiff.size()) break;
-    if (u16(at) != 0x0112) continue;
-    const std::uint32_t value = u16(at + 8);
-    return value >= 1 && value <= 8 ? static_cast<int>(value) : 1;
-  }
-  return 1;
-}
-
 std::optional<Eigen::Vector2d> pixel_mm(const jpeg_decompress_struct& info) {
   if (!info.saw_JFIF_marker || info.X_density == 0 || info.Y_density == 0) return std::nullopt;
   if (info.density_unit == 1) return Eigen::Vector2d(25.4 / info.X_density, 25.4 / info.Y_density);
@@ -137,11 +113,16 @@ Result<Raster> read_jpeg(std::span<const std::uint8_t> bytes, const std::string&
                 .channels = use.channels,
                 .pixels = {},
                 .pixel_mm = pixel_mm(info),
+                .exif_pixel_mm = {},
                 .orientation = 1,
                 .needs_colour = false};
-  for (auto* marker = info.marker_list; marker; marker = marker->next)
-    if (const int found = exif_orientation({marker->data, marker->data_length}); found != 1)
-      raster.orientation = found;
+  for (auto* marker = info.marker_list; marker; marker = marker->next) {
+    const Exif exif = read_exif({reinterpret_cast<const char*>(marker->data), marker->data_length});
+    if (exif.orientation != 1) raster.orientation = exif.orientation;
+    if (!exif.density) continue;
+    const Eigen::Vector2d pixel(exif.density->pixel_width_mm(), exif.density->pixel_height_mm());
+    (raster.pixel_mm ? raster.exif_pixel_mm : raster.pixel_mm) = pixel;
+  }
 
   if (!reader.begin()) return corrupt();
   std::vector<std::uint8_t> rgb(3 * static_cast<std::size_t>(width)),

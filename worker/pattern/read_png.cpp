@@ -56,6 +56,7 @@ Result<Raster> read_png(std::span<const std::uint8_t> bytes, const std::string& 
       .channels = use.channels,
       .pixels = {},
       .pixel_mm = pixel ? std::optional(Eigen::Vector2d(pixel->width_mm, pixel->height_mm)) : std::nullopt,
+      .exif_pixel_mm = {},
       .orientation = 1,
       .needs_colour = false};
   const std::size_t row_bytes = 4 * static_cast<std::size_t>(width);

@@ -2,7 +2,6 @@
 #include <librsvg/rsvg.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <memory>
 #include <pugixml.hpp>
@@ -32,31 +31,11 @@ std::string take(GError* error) {
 }
 
 // Handles made from bytes have no base address: librsvg then resolves no reference but "data:" and "#".
-Result<Handle> load(std::span<const std::uint8_t> bytes, const std::string& file_name) {
+Result<Handle> load(const std::string& text, const std::string& file_name) {
   GError* error = nullptr;
-  Handle handle(rsvg_handle_new_from_data(bytes.data(), bytes.size(), &error));
+  Handle handle(rsvg_handle_new_from_data(reinterpret_cast<const guint8*>(text.data()), text.size(), &error));
   if (!handle) return corrupt(take(error), file_name);
   return handle;
-}
-
-std::optional<double> millimetres(const RsvgLength& length) {
-  if (!std::isfinite(length.length) || length.length <= 0) return std::nullopt;
-  switch (length.unit) {
-    case RSVG_UNIT_PX:
-      return length.length * 25.4 / 96;
-    case RSVG_UNIT_IN:
-      return length.length * 25.4;
-    case RSVG_UNIT_CM:
-      return length.length * 10;
-    case RSVG_UNIT_MM:
-      return length.length;
-    case RSVG_UNIT_PT:
-      return length.length * 25.4 / 72;
-    case RSVG_UNIT_PC:
-      return length.length * 25.4 / 6;
-    default:
-      return std::nullopt;  // relative to a font or a viewport; newer librsvg has more of these
-  }
 }
 
 // librsvg decodes a picture inside the drawing with a library of many formats and no limits. So it is decoded here
@@ -83,10 +62,10 @@ Result<void> check_embedded(std::string_view address, const std::string& file_na
 }
 
 // The name of the other file is not repeated: in a job, it was replaced by spaces before the drawing was stored.
-tl::unexpected<Error> refers_elsewhere(std::string_view element, std::span<const std::uint8_t> bytes,
+tl::unexpected<Error> refers_elsewhere(std::string_view element, const std::string& text,
                                        std::ptrdiff_t offset, const std::string& file_name) {
-  const auto place = bytes.begin() + std::clamp<std::ptrdiff_t>(offset, 0, std::ssize(bytes));
-  const auto line = 1 + std::count(bytes.begin(), place, std::uint8_t{'\n'});
+  const auto place = text.begin() + std::clamp<std::ptrdiff_t>(offset, 0, std::ssize(text));
+  const auto line = 1 + std::count(text.begin(), place, '\n');
   return fail(Code::unusable_pattern,
               "the SVG refers to another file in its <" + std::string(element.substr(0, 16)) +
                   "> element on line " + std::to_string(line),
@@ -94,10 +73,10 @@ tl::unexpected<Error> refers_elsewhere(std::string_view element, std::span<const
 }
 
 // librsvg would silently leave out what it may not load; a drawing with a hole is worse than a refusal.
-Result<SvgWork> check(std::span<const std::uint8_t> bytes, const std::string& file_name) {
+Result<SvgWork> check(const std::string& text, const std::string& file_name) {
   pugi::xml_document document;
   const auto parsed =
-      document.load_buffer(bytes.data(), bytes.size(), pugi::parse_default | pugi::parse_doctype);
+      document.load_buffer(text.data(), text.size(), pugi::parse_default | pugi::parse_doctype);
   if (!parsed) return corrupt(parsed.description(), file_name);
   const std::string_view root = document.document_element().name();
   if (root != "svg" && !root.ends_with(":svg"))
@@ -129,7 +108,7 @@ Result<SvgWork> check(std::span<const std::uint8_t> bytes, const std::string& fi
         if (target.starts_with("data:")) {
           VACUFORM_CHECK(check_embedded(target, file_name, pixels));
         } else if (!target.empty() && !target.starts_with('#')) {
-          return refers_elsewhere(local, bytes, node.offset_debug(), file_name);
+          return refers_elsewhere(local, text, node.offset_debug(), file_name);
         }
       }
     // librsvg 2.54 ends the process at a matrix of more than 400 numbers, which take more bytes than this.
@@ -151,46 +130,23 @@ Result<SvgWork> check(std::span<const std::uint8_t> bytes, const std::string& fi
 
 }  // namespace
 
-Result<SvgSize> read_svg_size(std::span<const std::uint8_t> bytes, const std::string& file_name) {
-  if (bytes.size() > 32u << 20)
+Result<SvgWork> check_svg(const std::string& text, const std::string& file_name) {
+  if (text.size() > 32u << 20)
     return fail(Code::too_large, "the SVG has more than 32 MB", file_name, "simplify the drawing");
-  VACUFORM_TRY(work, check(bytes, file_name));
-  VACUFORM_TRY(handle, load(bytes, file_name));
-
-  gboolean has_width = FALSE, has_height = FALSE, has_box = FALSE;
-  RsvgLength width{}, height{};
-  RsvgRectangle box{};
-  rsvg_handle_get_intrinsic_dimensions(handle.get(), &has_width, &width, &has_height, &height, &has_box,
-                                       &box);
-  const auto width_mm = has_width ? millimetres(width) : std::nullopt;
-  const auto height_mm = has_height ? millimetres(height) : std::nullopt;
-  const bool usable_box = has_box && box.width > 0 && box.height > 0 && std::isfinite(box.width / box.height);
-
-  SvgSize size;
-  size.work = work;
-  const double w = width_mm.value_or(0), h = height_mm.value_or(0);
-  if (w > 0 && h > 0)
-    size.aspect = w / h;
-  else if (usable_box)
-    size.aspect = box.width / box.height;
-  else
-    return fail(Code::unusable_pattern, "the SVG has no size", file_name,
-                "give its svg element a width, height and viewBox");
-  if (w > 0)
-    size.size_mm = Eigen::Vector2d(w, w / size.aspect);
-  else if (h > 0)
-    size.size_mm = Eigen::Vector2d(h * size.aspect, h);
-  return size;
+  VACUFORM_TRY(work, check(text, file_name));
+  VACUFORM_CHECK(load(text, file_name));
+  return work;
 }
 
-Result<Raster> draw_svg(std::span<const std::uint8_t> bytes, const std::string& file_name, int width,
-                        int height, int channels) {
-  VACUFORM_TRY(handle, load(bytes, file_name));
+Result<Raster> draw_svg(const std::string& text, const std::string& file_name, int width, int height,
+                        int channels) {
+  VACUFORM_TRY(handle, load(text, file_name));
   Raster raster{.width = width,
                 .height = height,
                 .channels = channels,
                 .pixels = {},
                 .pixel_mm = {},
+                .exif_pixel_mm = {},
                 .orientation = 1,
                 .needs_colour = false};
   // Band by band, so that the memory is that of the result and not of cairo's four bytes a pixel.

@@ -6,7 +6,7 @@
 #include "api/base/sha256.hpp"
 #include "worker/forming/temperature_findings.hpp"
 #include "worker/pipeline/scan_inspection.hpp"
-#include "worker/stage/portion.hpp"
+#include "worker/stage/sub_progress.hpp"
 
 namespace vacuform {
 
@@ -14,13 +14,13 @@ namespace {
 
 Result<FormedSheet> sheet_of(const Inputs& inputs, const nlohmann::ordered_json& made_from, const Mold& mold,
                              const TemperatureField& temperature, const Context& context) {
-  if (auto kept = inputs.kept.sheet(made_from)) {
+  if (auto cached = inputs.cache.sheet(made_from)) {
     VACUFORM_CHECK(context.step(Stage::forming, 1));
-    return *std::move(kept);
+    return *std::move(cached);
   }
   const Settings& s = inputs.settings;
   VACUFORM_TRY(sheet, form(mold, s.sheet, s.machine, s.forming, temperature, context));
-  inputs.kept.keep(made_from, sheet);
+  inputs.cache.store(made_from, sheet);
   return sheet;
 }
 
@@ -33,7 +33,8 @@ Result<FormedHead> form_head(const Inputs& inputs, const Context& context) {
   VACUFORM_CHECK(check_fit(mold, s.sheet, s.machine));
   VACUFORM_TRY(warmth, sheet_temperature(s.sheet, s.machine, s.heat, inputs.temperature, context));
   const double share = inputs.sensitivity ? 0.15 : 1;  // of the forming stage's work
-  const Portion nominal(context, Stage::forming, 0, share), changed(context, Stage::forming, share, 1);
+  const SubProgress nominal(context, {Stage::forming, 0, share}),
+      changed(context, {Stage::forming, share, 1});
   const nlohmann::ordered_json of_sheet = {
       {"mold", mold_made_from(inputs)},
       {"settings", {all["sheet"], all["machine"], all["heat"], all["forming"]}},

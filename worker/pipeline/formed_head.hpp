@@ -1,4 +1,4 @@
-// The scan and forming stages of a job, made or kept: the sheet on the head, which prints and layouts share.
+// The scan and forming stages of a job, made or cached: the sheet on the head, which prints and layouts share.
 #pragma once
 
 #include <vector>

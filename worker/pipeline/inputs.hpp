@@ -10,7 +10,7 @@
 
 #include "api/settings.hpp"
 #include "worker/forming/heat/measured_field.hpp"
-#include "worker/pipeline/kept_stages.hpp"
+#include "worker/pipeline/stage_cache.hpp"
 
 namespace vacuform {
 
@@ -27,10 +27,10 @@ struct Inputs {
   bool sensitivity = false;           // report.json also shows how far errors of the machine move each coil
   std::string reference =
       {};  // of the job (api/job_text.hpp): on the print and in the report, with no other effect
-  KeptStages kept = {};  // where to look for and store the results of the scan and forming stages
+  StageCache cache = {};  // where to look for and store the results of the scan and forming stages
 };
 
-// Whether a file is given, by the names of api/job.hpp. An empty scan or pattern is none; the readers of others refuse it.
+// Whether a file is given, by the names of api/job.hpp. An empty scan or pattern counts as not given; the readers of others refuse it.
 bool has_input(const Inputs& inputs, std::string_view name);
 
 // Reads a whole file. Errors: unreadable, too_large (above `limit` bytes).

@@ -6,20 +6,14 @@
 #include "api/job_inputs.hpp"
 #include "api/version.hpp"
 #include "worker/coils/coupled_neighbours.hpp"
-#include "worker/colour/sheet_colours.hpp"
-#include "worker/flattening/flattening.hpp"
-#include "worker/forming/inked_face.hpp"
 #include "worker/inspection/colour_errors.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/inspection/report_html.hpp"
-#include "worker/pattern/drawing.hpp"
-#include "worker/pattern/ink_parts.hpp"
 #include "worker/pipeline/artifact_files.hpp"
-#include "worker/pipeline/formed_head.hpp"
+#include "worker/pipeline/laid_pattern.hpp"
+#include "worker/pipeline/print_progress.hpp"
 #include "worker/pipeline/scan_inspection.hpp"
-#include "worker/placement/cut_lines.hpp"
 #include "worker/stage/parallel.hpp"
-#include "worker/stage/portion.hpp"
 
 namespace vacuform {
 
@@ -35,17 +29,38 @@ Result<void> check_together(const Inputs& inputs) {
       JobKind::print, [&](std::string_view name) { return has_input(inputs, name); }, s);
 }
 
-Result<std::optional<Pattern>> weights_of(const Inputs& inputs, const Pattern& pattern) {
-  if (!inputs.weights) return std::optional<Pattern>();
-  PatternSettings as_the_pattern = inputs.settings.pattern;
-  as_the_pattern.width_mm = pattern.size_mm().x();
-  VACUFORM_TRY(picture, Pattern::read(inputs.weights->bytes, inputs.weights->name, as_the_pattern,
-                                      inputs.settings.print.dpi));
-  return std::optional(std::move(picture));
+// The files of a job that say what is printed.
+struct PrintFiles {
+  std::optional<Pattern> pattern, weights;
+  OutputProfile profile;
+};
+Result<PrintFiles> read_files(const Inputs& inputs) {
+  PrintFiles files;
+  const Settings& s = inputs.settings;
+  if (s.pattern.source != PatternSource::scan) {
+    VACUFORM_TRY(pattern, Pattern::read(inputs.pattern->bytes, inputs.pattern->name, s.pattern, s.print.dpi));
+    files.pattern = std::move(pattern);
+  }
+  if (const auto& file = inputs.weights) {
+    PatternSettings as_the_pattern = s.pattern;
+    as_the_pattern.width_mm = files.pattern->size_mm().x();
+    VACUFORM_TRY(weights, Pattern::read(file->bytes, file->name, as_the_pattern, s.print.dpi));
+    files.weights = std::move(weights);
+  }
+  if (const auto& file = inputs.icc) {
+    VACUFORM_TRY(profile, OutputProfile::read(file->bytes, file->name));
+    files.profile = std::move(profile);
+  }
+  return files;
 }
 
-Result<OutputProfile> profile_of(const Inputs& inputs) {
-  return inputs.icc ? OutputProfile::read(inputs.icc->bytes, inputs.icc->name) : OutputProfile();
+// Where the flattening weighs the pattern: by its ink, or by that of the weight image. Keeps references.
+InkCoverage coverage_of(const PrintFiles& files, const PatternSettings& settings) {
+  if (!files.pattern) return {};
+  return [&weights = files.weights ? *files.weights : *files.pattern, &settings](const Eigen::Vector2d& chart,
+                                                                                 double blur_mm) {
+    return weights.sample(plain_alignment(settings).pattern(chart), blur_mm / settings.scale).coverage();
+  };
 }
 
 // The same inputs, settings and version make the same print: the digest of all of them is its name.
@@ -68,213 +83,120 @@ Identity identity_of(const Inputs& inputs) {
   return {digest.hex().substr(0, 12), std::move(of_files)};
 }
 
-// The report with what only the pipeline knows.
-nlohmann::ordered_json whole_report(const Inputs& inputs, const Identity& identity, const Finished& job) {
-  nlohmann::ordered_json whole = {
-      {"vacuform", version},
-      {"label", identity.label},
-      {"reference",
-       inputs.reference.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(inputs.reference)},
-      {"sha256", identity.sha256}};
-  whole.update(report(job));
-  return whole;
+// Adds those of the placed pattern to those of its print.
+void add_warnings(const LaidPattern& laid, const CoilSettings& coils, std::vector<Warning>& warnings) {
+  warnings.insert(warnings.begin(), laid.warnings.begin(), laid.warnings.end());
+  if (laid.lines || !laid.parts || !coils.decouple) return;  // the coils of lines are measured
+  if (auto coupled = coupling_warning(coupled_loops(laid.placement, *laid.placed()), true))
+    warnings.push_back(std::move(*coupled));
 }
 
-// The artifacts but the report, and the report as JSON.
-struct Inspected {
-  std::vector<Artifact> files;
-  nlohmann::ordered_json report;
+// Of a drawing; the colours of a scan are compared with the scan.
+LengthErrors lengths_of(const LaidPattern& laid, const PatternSettings& settings,
+                        std::vector<Warning>& warnings) {
+  if (settings.source == PatternSource::scan) return {};
+  const Drawing* const lines = laid.placed();
+  LengthErrors lengths = length_errors(lines, laid.pattern, laid.placement, settings.scale);
+  if (auto off = length_warning(lengths, lines, settings.length_limit)) warnings.push_back(std::move(*off));
+  return lengths;
+}
+
+// What the stages made that a finished job does not show.
+struct Made {
+  const Identity& identity;
+  const std::vector<Variant>& variants;
+  const LaidPattern& laid;
 };
-Result<Inspected> inspect(const Inputs& inputs, const Identity& identity, const Finished& job,
-                          const Context& context) {
-  Result<std::vector<Artifact>> files;
-  nlohmann::ordered_json whole;
-  together([&] { files = artifacts(job, context); }, [&] { whole = whole_report(inputs, identity, job); });
-  if (!files) return tl::make_unexpected(files.error());
-  return Inspected{*std::move(files), std::move(whole)};
-}
 
-std::vector<Artifact> with_report(Inspected inspected) {
-  std::vector<Artifact>& files = inspected.files;
-  const auto add = [&](const char* name, const std::string& text) {
-    files.push_back({name, {text.begin(), text.end()}});
-  };
-  add("report.html", report_html(inspected.report, files));
-  add("report.json", inspected.report.dump(2) + "\n");
-  return std::move(files);
-}
-
-// The formed head with its chart.
-struct FlatHead {
-  FormedHead formed;
-  InkedSurface surface;
-  Flattening flattening;
-  std::optional<ColouredScan> colours;  // if they are printed
-};
-Result<FlatHead> flat_head(const Inputs& inputs, const InkCoverage& coverage, const Context& context) {
+// All stages up to the print, with the figures of its pattern.
+template <class Use>
+Result<std::vector<Artifact>> run_stages(const Inputs& inputs, const Use& use, const Context& context) {
   const Settings& s = inputs.settings;
-  VACUFORM_TRY(formed, form_head(inputs, context));
-  InkedSurface surface = inked_surface(formed.sheet, s.pattern.inked_face);
-  VACUFORM_TRY(flattening, flatten(formed.sheet, surface, formed.mold, s.flattening, context, coverage));
-  return FlatHead{std::move(formed), std::move(surface), std::move(flattening), {}};
-}
-// With the colours of the scan, whose textures are unpacked meanwhile.
-Result<FlatHead> coloured_head(const Inputs& inputs, const InkCoverage& coverage, const Context& context) {
-  std::optional<Result<FlatHead>> head;
-  std::optional<Result<ColouredScan>> scan;
-  together([&] { head = flat_head(inputs, coverage, context); },
-           [&] { scan = read_coloured_scan(inputs.scan.bytes, inputs.scan.name, context.silent()); });
-  VACUFORM_TRY(flat, *std::move(head));
-  VACUFORM_TRY(colours, *std::move(scan));
-  flat.colours = std::move(colours);
-  return flat;
-}
-
-// The colours of the scan where the sheet comes to lie on it. Keeps a reference to the sheet.
-Result<SheetColours> colours_on(const FormedSheet& sheet, const Mold& mold, ColouredScan scan,
-                                const Inputs& inputs) {
-  const Settings& s = inputs.settings;
-  SheetColours colours(ColouredSurface(std::move(scan), mold.placing), sheet,
-                       colour_reach(s.scan.clearance_mm, s.pattern.fade_mm));
-  if (colours.triangles().empty())
-    return fail(Code::unusable_surface, "no part of the formed sheet comes near the scan", inputs.scan.name,
-                "give a lower scan.trim_mm or a larger pattern.fade_mm");
-  return colours;
-}
-
-// The colours of the scan as a print: the sheet's own coordinates are those of the pattern, and nothing is bent.
-Result<std::vector<Artifact>> use_colours(const Inputs& inputs, const Identity& identity,
-                                          const UseOfPrint& use, const Context& context) {
-  const Settings& s = inputs.settings;
-  VACUFORM_TRY(profile, profile_of(inputs));
-  VACUFORM_TRY(head, coloured_head(inputs, {}, context));
+  VACUFORM_CHECK(check_for(JobKind::print, s));
+  VACUFORM_CHECK(check_together(inputs));
+  VACUFORM_TRY(files, read_files(inputs));
+  VACUFORM_TRY(head, flat_head(inputs, coverage_of(files, s.pattern), context));
   const FormedHead& formed = head.formed;
   const ChartedSurface charted(head.surface, head.flattening);
-  const Portion looking(context, Stage::printing, 0, 0.2), printing(context, Stage::printing, 0.2, 1);
-  VACUFORM_CHECK(context.step(Stage::printing, 0));
-  VACUFORM_TRY(colours, colours_on(formed.sheet, formed.mold, *std::move(head.colours), inputs));
-  VACUFORM_TRY(picture, picture_of(colours, s.sheet, looking.context()));
-  const Placement placement = lay_flat(charted);
-  const PrintLabel label{identity.label, inputs.reference, side_letters(formed.mold.findings.left_side)};
-  VACUFORM_TRY(print, make_print(charted, picture, nullptr, placement, s, label, printing.context(), &colours,
-                                 profile));
+  VACUFORM_TRY(colours, colours_on_sheet(head, inputs));
+  VACUFORM_TRY(laid, files.pattern
+                         ? lay_pattern(*std::move(files.pattern), inputs, charted, head.cuts, context)
+                         : lay_colours(*colours, charted, s.sheet, context));
+  VACUFORM_TRY(layers, layers_of(laid, colours, head.surface, s, context));
+  const Identity identity = identity_of(inputs);
+  const SubProgress printing(context, progress::printing), measuring(context, progress::measuring);
+  VACUFORM_TRY(
+      print,
+      make_print({.charted = charted,
+                  .placement = laid.placement,
+                  .settings = s,
+                  .label = {identity.label, inputs.reference, side_letters(formed.mold.findings.left_side)},
+                  .layers = std::move(layers),
+                  .profile = std::move(files.profile)},
+                 printing.context()));
+  add_warnings(laid, s.coils, print.warnings);
   Finished job{.settings = s,
                .mold = formed.mold,
                .sheet = formed.sheet,
                .surface = head.surface,
                .flattening = head.flattening,
-               .pattern = picture,
+               .pattern = laid.pattern,
+               .placement = laid.placement,
                .print = print,
+               .placed = laid.placed(),
+               .lengths = lengths_of(laid, s.pattern, print.warnings),
                .heat = formed.heat,
-               .alignment = {.shift_mm = -head.flattening.top_rest},
-               .placement = &placement,
-               .label = identity.label,
-               .colours = &colours};
+               .alignment = laid.alignment,
+               .label = identity.label};
+  if (laid.lines) {
+    const VectorPrint& vectors = *print.top().source->vectors();
+    VACUFORM_TRY(figures, measure(charted, {*laid.lines, laid.placement, vectors, laid.alignment}, s.coils,
+                                  measuring.context()));
+    job.figures.measured = std::move(figures);
+  }
   add_chart_figures(job);
-  return use(job);
+  return use(job, Made{identity, formed.variants, laid});
 }
 
-Result<std::vector<Artifact>> colour_artifacts(const Inputs& inputs, const Context& context) {
-  const Identity identity = identity_of(inputs);
-  const auto use = [&](const Finished& job) -> Result<std::vector<Artifact>> {
-    const Portion comparing(context, Stage::inspection, 0, 0.2), showing(context, Stage::inspection, 0.2, 1);
-    const auto ink = ink_of(job.print, job.surface, job.settings.print.ink_curve);
-    VACUFORM_TRY(errors, colour_errors(*job.colours, job.print, ink ? &*ink : nullptr,
-                                       grid_spacing_mm(job.settings), comparing.context()));
-    Finished compared = job;
-    compared.figures.errors = std::move(errors);
-    VACUFORM_TRY(inspected, inspect(inputs, identity, compared, showing.context()));
-    return with_report(std::move(inspected));
-  };
-  return use_colours(inputs, identity, use, context);
+// The report with what only the pipeline knows.
+nlohmann::ordered_json whole_report(const Inputs& inputs, const Finished& job, const Made& made) {
+  nlohmann::ordered_json whole = {
+      {"vacuform", version},
+      {"label", made.identity.label},
+      {"reference",
+       inputs.reference.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(inputs.reference)},
+      {"sha256", made.identity.sha256}};
+  whole.update(report(job));
+  if (!inputs.sensitivity || job.settings.pattern.source == PatternSource::scan) return whole;
+  std::vector<PrintedCoil> coils =
+      printed_coils(coil_centres(job.pattern), job.sheet, job.flattening, job.print.pattern_uv);
+  for (const PlacedElement& element : job.placement.elements)  // the chart has them elsewhere
+    for (PrintedCoil& coil : coils)
+      if (coil.id == made.laid.placed()->elements[element.element].id) coil.rest = element.centre_rest;
+  whole["sensitivity"] = sensitivity_json(job.sheet, made.variants, coils);
+  return whole;
 }
 
 Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Context& context) {
-  const Settings& s = inputs.settings;
-  VACUFORM_CHECK(check_for(JobKind::print, s));
-  VACUFORM_CHECK(check_together(inputs));
-  if (s.pattern.source == PatternSource::scan) return colour_artifacts(inputs, context);
-  VACUFORM_TRY(pattern, Pattern::read(inputs.pattern->bytes, inputs.pattern->name, s.pattern, s.print.dpi));
-  VACUFORM_TRY(weights, weights_of(inputs, pattern));
-  VACUFORM_TRY(profile, profile_of(inputs));
-  const InkCoverage coverage = [&](const Eigen::Vector2d& chart, double blur_mm) {
-    return (weights ? *weights : pattern)
-        .sample(plain_alignment(s.pattern).pattern(chart), blur_mm / s.pattern.scale)
-        .coverage();
+  const auto inspect = [&](Finished& job, const Made& made) -> Result<std::vector<Artifact>> {
+    const SubProgress comparing(context, progress::comparing), showing(context, progress::showing);
+    if (job.print.coloured()) {
+      VACUFORM_TRY(errors, colour_errors(job.print, grid_spacing_mm(job.settings), comparing.context()));
+      job.figures.errors = std::move(errors);
+    }
+    Result<std::vector<Artifact>> files;
+    nlohmann::ordered_json whole;
+    together([&] { files = artifacts(job, showing.context()); },
+             [&] { whole = whole_report(inputs, job, made); });
+    if (!files) return files;
+    const auto add = [&](const char* name, const std::string& text) {
+      files->push_back({name, {text.begin(), text.end()}});
+    };
+    add("report.html", report_html(whole, *files));
+    add("report.json", whole.dump(2) + "\n");
+    return files;
   };
-  VACUFORM_TRY(head, s.pattern.source == PatternSource::both ? coloured_head(inputs, coverage, context)
-                                                             : flat_head(inputs, coverage, context));
-  FormedHead& formed = head.formed;
-  // The steps from the cuts to the print share one stage of the job's progress.
-  const Portion cutting(context, Stage::printing, 0, 0.05), placing(context, Stage::printing, 0.05, 0.2),
-      decoupling(context, Stage::printing, 0.2, 0.4), printing(context, Stage::printing, 0.4, 1);
-  VACUFORM_TRY(cut, with_cut_lines(std::move(formed.sheet), std::move(head.surface),
-                                   std::move(head.flattening), s.pattern.seams, cutting.context()));
-  const FormedSheet& sheet = cut.sheet;
-  const Flattening& flattening = cut.flattening;
-  const ChartedSurface charted(cut.surface, flattening);
-  const Identity identity = identity_of(inputs);
-
-  std::vector<Warning> of_drawing;
-  const std::optional<Drawing> drawing = read_drawing(inputs.pattern->bytes, pattern, of_drawing);
-  const Drawing* lines = drawing ? &*drawing : nullptr;
-  const auto parts = lines ? std::nullopt : parts_to_place(pattern, s.pattern.placement, of_drawing);
-  const Drawing* const laid = parts ? &parts->drawing() : lines;
-  VACUFORM_TRY(placement, place(charted, laid, s, placing.context(), cut.edges));
-  if (laid) VACUFORM_CHECK(add_couplings(charted, *laid, s, decoupling.context(), placement));
-  std::optional<SheetColours> below;  // the drawing
-  if (head.colours) {
-    VACUFORM_TRY(colours, colours_on(sheet, formed.mold, *std::move(head.colours), inputs));
-    below.emplace(std::move(colours));
-  }
-  const SheetColours* const colours = below ? &*below : nullptr;
-  const PrintLabel label{identity.label, inputs.reference, side_letters(formed.mold.findings.left_side)};
-  VACUFORM_TRY(
-      print, make_print(charted, pattern, lines, placement, s, label, printing.context(), colours, profile));
-  for (const auto* warnings : {&placement.warnings, &of_drawing})
-    print.warnings.insert(print.warnings.begin(), warnings->begin(), warnings->end());
-  VACUFORM_TRY(alignment, align_flat(charted, s.pattern));
-  Finished job{.settings = s,
-               .mold = formed.mold,
-               .sheet = sheet,
-               .surface = cut.surface,
-               .flattening = flattening,
-               .pattern = pattern,
-               .print = print,
-               .heat = formed.heat,
-               .alignment = alignment,
-               .placement = &placement,
-               .label = identity.label,
-               .colours = colours};
-  const Portion comparing(context, Stage::inspection, 0, 0.1),
-      measuring(context, Stage::inspection, 0.1, 0.3), showing(context, Stage::inspection, 0.3, 1);
-  if (colours) {
-    const auto ink = ink_of(print, charted.surface(), s.print.ink_curve);
-    VACUFORM_TRY(compared, colour_errors(*colours, print, ink ? &*ink : nullptr, grid_spacing_mm(s),
-                                         comparing.context()));
-    job.figures.errors = std::move(compared);
-  }
-  if (lines && print.vectors) {
-    VACUFORM_TRY(figures, measure(charted, *lines, placement, *print.vectors, alignment, s.coils,
-                                  measuring.context()));
-    job.figures.measured = std::move(figures);
-  } else if (parts && s.coils.decouple) {  // a picture, whose coils are not measured
-    if (auto coupled = coupling_warning(coupled_neighbours(placement, *laid), true))
-      print.warnings.push_back(std::move(*coupled));
-  }
-  add_chart_figures(job);
-  VACUFORM_TRY(inspected, inspect(inputs, identity, job, showing.context()));
-  if (inputs.sensitivity) {
-    auto coils =
-        printed_coils(coil_centres(inputs.pattern->bytes, pattern), sheet, flattening, print.pattern_uv);
-    for (const PlacedElement& element :
-         placement.elements)  // what is laid one by one is not where the chart has it
-      for (PrintedCoil& coil : coils)
-        if (coil.id == laid->elements[static_cast<std::size_t>(element.element)].id)
-          coil.rest = element.centre_rest;
-    inspected.report["sensitivity"] = sensitivity_json(sheet, formed.variants, coils);
-  }
-  return with_report(std::move(inspected));
+  return run_stages(inputs, inspect, context);
 }
 
 // What the mold can show: it was made, and then the sheet did not fit it, or did not form or flatten on it.
@@ -285,10 +207,10 @@ bool shows_on_mold(const Error& error) {
 
 }  // namespace
 
-Result<std::vector<Artifact>> print_colours(const Inputs& inputs, const UseOfPrint& use,
-                                            const Context& context) {
-  VACUFORM_CHECK(check_together(inputs));
-  return use_colours(inputs, identity_of(inputs), use, context);
+Result<std::vector<Artifact>> with_print(const Inputs& inputs, const UseOfPrint& use,
+                                         const Context& context) {
+  return run_stages(
+      inputs, [&](const Finished& job, const Made&) { return use(job); }, context);
 }
 
 Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out, const Context& context) {
@@ -296,8 +218,8 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   if (files) return write_artifacts(out, *files);
   const Error& error = files.error();
   if (shows_on_mold(error)) {
-    // The mold is made again, or was kept: that takes a second, and the error counts whatever comes of it.
-    const Portion at_end(context, Stage::forming, 1, 1);
+    // The mold is made again, or was cached: that takes a second, and the error counts whatever comes of it.
+    const SubProgress at_end(context, {Stage::forming, 1, 1});
     (void)inspect_failure(inputs, error, out, at_end.context());
   }
   return tl::make_unexpected(error);

@@ -16,10 +16,9 @@ namespace vacuform {
 // forming_failed and unusable_surface, `out` gets the artifacts of an inspection, whose findings.json names the problem.
 Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out, const Context& context);
 
-// Runs the stages of a print of the colours of the scan (pattern.source=scan) and passes what they made to `use`, which
-// must not keep references to it. Errors: those of the stages and of `use`.
+// Runs the stages up to the print and passes what they made to `use`, which must not keep references to it. Errors: those
+// of the stages and of `use`.
 using UseOfPrint = std::function<Result<std::vector<Artifact>>(const Finished& job)>;
-Result<std::vector<Artifact>> print_colours(const Inputs& inputs, const UseOfPrint& use,
-                                            const Context& context);
+Result<std::vector<Artifact>> with_print(const Inputs& inputs, const UseOfPrint& use, const Context& context);
 
 }  // namespace vacuform

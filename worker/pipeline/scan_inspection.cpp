@@ -26,22 +26,22 @@ Json mold_made_from(const Inputs& inputs) {
 
 namespace {
 
-Result<Mold> made_or_kept(const Inputs& inputs, const Context& context) {
+Result<Mold> made_or_cached(const Inputs& inputs, const Context& context) {
   const Json made_from = mold_made_from(inputs);
-  if (auto kept = inputs.kept.mold(made_from)) {
+  if (auto cached = inputs.cache.mold(made_from)) {
     VACUFORM_CHECK(context.step(Stage::scan, 1));
-    return *std::move(kept);
+    return *std::move(cached);
   }
   VACUFORM_TRY(cut, make_mold(inputs.scan.bytes, inputs.scan.name, inputs.settings.scan, context));
   VACUFORM_TRY(mold, on_plug(std::move(cut), inputs.settings.machine.plug_height_mm));
-  inputs.kept.keep(made_from, mold);
+  inputs.cache.store(made_from, mold);
   return mold;
 }
 
 }  // namespace
 
 Result<Mold> mold_of(const Inputs& inputs, const Context& context) {
-  VACUFORM_TRY(mold, made_or_kept(inputs, context));
+  VACUFORM_TRY(mold, made_or_cached(inputs, context));
   mold.findings.left_side = inputs.settings.scan.left_side;
   if (inputs.settings.pattern.source != PatternSource::scan)
     for (Warning& warning : side_warnings(mold.findings)) mold.warnings.push_back(std::move(warning));

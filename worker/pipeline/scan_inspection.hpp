@@ -11,7 +11,7 @@
 
 namespace vacuform {
 
-// The mold on its plug, made or kept. Of the inputs only the scan is used. Errors: those of make_mold() and on_plug().
+// The mold on its plug, made or cached. Of the inputs only the scan is used. Errors: those of make_mold() and on_plug().
 Result<Mold> mold_of(const Inputs& inputs, const Context& context);
 // All that its shape depends on.
 nlohmann::ordered_json mold_made_from(const Inputs& inputs);

@@ -21,7 +21,7 @@ using LayoutJson = nlohmann::ordered_json;
 
 LayoutJson pair_json(const std::optional<StrongestPair>& pair, const Array& array) {
   if (!pair) return nullptr;
-  const auto id = [&](int i) { return array.drawing.elements[static_cast<std::size_t>(i)].id; };
+  const auto id = [&](int i) { return array.drawing.elements[i].id; };
   return {{"a", id(pair->a)}, {"b", id(pair->b)}, {"k", rounded(pair->k)}};
 }
 
@@ -35,6 +35,7 @@ LayoutJson layout_json(const Inputs& inputs, const Array& array) {
           {"spacing_rms_mm", rounded(array.spacing_rms_mm, 3)},
           {"pairs", array.pairs},
           {"off_head", array.off_head},
+          {"k_rms", rounded(array.k_rms, 5)},
           {"strongest_neighbours", pair_json(array.strongest_neighbours, array)},
           {"strongest", pair_json(array.strongest, array)},
           {"warnings", LayoutJson::array()}};
@@ -63,6 +64,7 @@ Result<ScanLayout> lay_out_scan(const Inputs& inputs, const Context& context) {
   LayoutJson report = layout_json(inputs, array);
   std::vector<Warning> of_array;
   if (array.off_head > 0) of_array.push_back(coils_off_head(array));
+  if (array.coupled) of_array.push_back(*array.coupled);
   const auto add = [&](Stage stage, const std::vector<Warning>& warnings) {
     for (const Warning& warning : warnings) report["warnings"].push_back(warning_json(stage, warning));
   };

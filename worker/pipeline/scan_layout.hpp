@@ -14,7 +14,7 @@ struct ScanLayout {
   nlohmann::ordered_json report;  // layout.json, see docs/reference/files.md
 };
 
-// Forms the head, or takes the kept one, and lays out the array of settings.layout on it. Errors: those of the stages,
+// Forms the head, or takes the cached one, and lays out the array of settings.layout on it. Errors: those of the stages,
 // bad_settings (weights of flattening that need a drawing).
 Result<ScanLayout> lay_out_scan(const Inputs& inputs, const Context& context);
 

@@ -25,6 +25,19 @@ ChartedSurface::ChartedSurface(const InkedSurface& surface, const Flattening& fl
   for (const int t : flattening.triangles) on_chart_[index(t)] = 1;
 }
 
+std::vector<Vector3d> ChartedSurface::border() const {
+  std::vector<Vector3d> out;
+  for (const int t : flattening_->triangles)
+    for (int k = 0; k < 3; ++k) {
+      const int n = surface_->across(t, k);
+      if (n >= 0 && on_chart(n)) continue;
+      const Triangle& c = surface_->triangles()[index(t)];
+      out.push_back(0.5 * (surface_->inked()[index(c[index((k + 1) % 3)])] +
+                           surface_->inked()[index(c[index((k + 2) % 3)])]));
+    }
+  return out;
+}
+
 Vector2d ChartedSurface::chart(const SheetPoint& p) const {
   if (!on_chart(p.triangle)) return Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
   return interpolate(surface_->triangles(), p, flattening_->chart);

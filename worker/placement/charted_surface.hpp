@@ -15,7 +15,8 @@ class ChartedSurface {
 
   const InkedSurface& surface() const { return *surface_; }
   const Flattening& flattening() const { return *flattening_; }
-  bool on_chart(int t) const { return on_chart_[static_cast<std::size_t>(t)] != 0; }
+  bool on_chart(int t) const { return on_chart_[t] != 0; }
+  std::vector<Eigen::Vector3d> border() const;       // the middles of the chart's outer edges, in space
   Eigen::Vector2d chart(const SheetPoint& p) const;  // chart coordinates, mm; NaN off the chart
 
   // The point with the given chart coordinates. Off the chart, the nearest point of its border. If the chart overlaps

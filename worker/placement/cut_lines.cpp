@@ -96,7 +96,7 @@ class Cutter {
     blend(flat_.chart), blend(inked_);
     Eigen::Index most = 0;
     weights.maxCoeff(&most);
-    const auto nearest = index(of[static_cast<std::size_t>(most)]);
+    const auto nearest = index(of[most]);
     sheet_.contact.push_back(sheet_.contact[nearest]);
     sheet_.contact_time.push_back(sheet_.contact_time[nearest]);
     return static_cast<int>(sheet_.rest.size()) - 1;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/stage/index.hpp"
 #include "worker/stage/parallel.hpp"
 
 namespace vacuform {
@@ -23,6 +24,37 @@ void go_beyond(const ChartedSurface& charted, Centre& centre, const Vector2d& wa
   move(surface, centre, way);
   centre.axis = turned(surface, centre.point.triangle, centre.axis, turn);
   centre.moved.setZero();
+}
+
+// The elements with places of their own: coils, one about each centre, or everything if there is no coil. The others get
+// their leaders.
+std::vector<int> choose_leaders(ElementLayout& layout) {
+  std::vector<int> leaders;
+  const int count = static_cast<int>(layout.elements.size());
+  const auto drawn = [&](int i) -> const Vector2d& { return layout.centres[index(i)].drawn; };
+  const auto nearest = [&](int i) {
+    return *std::min_element(leaders.begin(), leaders.end(), [&](int a, int b) {
+      return (drawn(a) - drawn(i)).squaredNorm() < (drawn(b) - drawn(i)).squaredNorm();
+    });
+  };
+  constexpr double same_mm = 1e-6;
+  for (int i = 0; i < count; ++i) {
+    LaidElement& element = layout.elements[index(i)];
+    if (!element.outline.is_loop()) continue;
+    if (!leaders.empty() && (drawn(nearest(i)) - drawn(i)).norm() < same_mm)
+      element.leader = nearest(i);
+    else
+      leaders.push_back(i);
+  }
+  const bool coils = !leaders.empty();
+  for (int i = 0; i < count; ++i)
+    if (LaidElement& element = layout.elements[index(i)]; !element.outline.is_loop()) {
+      if (coils)
+        element.leader = nearest(i);
+      else
+        leaders.push_back(i);
+    }
+  return leaders;
 }
 
 Result<ElementOnSurface> lay(const ChartedSurface& charted, const LaidElement& element, const Centre& centre,
@@ -70,8 +102,26 @@ ElementLayout lay_by_chart(const ChartedSurface& charted, const Drawing& drawing
     out.elements.push_back(std::move(laid));
     out.centres.push_back(centre);
   }
-  out.pairs = neighbours(out.centres);
+  out.pairs = neighbours(out.centres, choose_leaders(out));
   return out;
+}
+
+void follow_leaders(const ChartedSurface& charted, ElementLayout& layout) {
+  if (std::none_of(layout.elements.begin(), layout.elements.end(),
+                   [](const LaidElement& e) { return e.leader >= 0; }))
+    return;
+  const std::vector<double> turn = turns(charted, layout.centres, layout.pairs);
+  for (std::size_t i = 0; i < layout.elements.size(); ++i) {
+    const int leader = layout.elements[i].leader;
+    if (leader < 0) continue;
+    Centre& centre = layout.centres[i];
+    const Vector2d drawn = centre.drawn;
+    const double radius = centre.radius_mm;
+    centre = layout.centres[index(leader)];
+    const Vector2d moved = centre.moved;
+    move(charted.surface(), centre, Eigen::Rotation2Dd(turn[index(leader)]) * Vector2d(drawn - centre.drawn));
+    centre.drawn = drawn, centre.radius_mm = radius, centre.moved = moved;
+  }
 }
 
 Result<std::vector<ElementOnSurface>> lay_on_surface(const ChartedSurface& charted,
@@ -86,7 +136,9 @@ Result<std::vector<ElementOnSurface>> lay_on_surface(const ChartedSurface& chart
     in_parallel(begin, std::min(begin + batch, count), [&](int first, int last) {
       for (int i = first; i < last; ++i) {
         const auto k = static_cast<std::size_t>(i);
-        laid[k] = lay(charted, layout.elements[k], layout.centres[k], turn[k], layout.keep, rough);
+        const int leader = layout.elements[k].leader;
+        laid[k] = lay(charted, layout.elements[k], layout.centres[k], turn[leader < 0 ? k : index(leader)],
+                      layout.keep, rough);
       }
     });
   }

@@ -15,6 +15,9 @@ struct LaidElement {
   int element = 0;  // index into Drawing::elements
   Outline outline;  // at the drawing's scale
   double size = 1;  // of the element, in addition to that scale
+  // Whose neighbourhood it lies in, as an index into the layout's elements: that of the coil about which it lies, or of
+  // the nearest coil for what is no coil; -1: it has a place of its own.
+  int leader = -1;
 };
 
 struct ElementLayout {
@@ -28,8 +31,11 @@ struct ElementLayout {
 
 // The elements with an id at the places that the chart gives their centres. A centre beyond the chart continues
 // straight from the nearest point of the chart. If it is beyond the chart by more than the reach of its element, the
-// element is left out.
+// element is left out. A coil about the same centre as another, and what is no coil, follows a leader.
 ElementLayout lay_by_chart(const ChartedSurface& charted, const Drawing& drawing, const Alignment& alignment);
+
+// Moves what follows a leader to its drawn distance and direction from it, along the surface.
+void follow_leaders(const ChartedSurface& charted, ElementLayout& layout);
 
 // An element once it lies on the surface.
 struct ElementOnSurface {

@@ -43,7 +43,7 @@ std::optional<Vector3d> ElementMap::place(const Vector2d& flat) const {
 
 bool ElementMap::on_chart(const Vector2d& flat) const {
   const auto found = locator_.find(flat);
-  return found && patch_->on_chart[static_cast<std::size_t>(found->triangle)] != 0;
+  return found && patch_->on_chart[found->triangle] != 0;
 }
 
 }  // namespace vacuform

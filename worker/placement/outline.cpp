@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/numerics/plane.hpp"
 #include "worker/pattern/drawn_loop.hpp"
 
 namespace vacuform {
@@ -29,8 +30,19 @@ Polyline sampled(const Curve& curve, const Vector2d& centre, double scale) {
   return out;
 }
 
-// Of a loop: what is computed of two loops takes the points of one times those of the other.
-constexpr std::size_t enough_points = 96, most_points = 480;
+// Enough for a circle, and more for a loop that winds. What is computed of two loops takes the points of one times those
+// of the other.
+std::size_t points_for(const Polyline& line) {
+  constexpr std::size_t enough = 96, most = 480;
+  double turned = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const Vector2d before = line[(i + 1) % line.size()] - line[i],
+                   after = line[(i + 2) % line.size()] - line[(i + 1) % line.size()];
+    turned += std::abs(std::atan2(cross(before, after), before.dot(after)));
+  }
+  const auto rounds = static_cast<std::size_t>(std::ceil(turned / (2 * M_PI) - 0.5));
+  return std::clamp(enough * rounds, enough, most);
+}
 
 // So many points at equal distances along a closed line.
 Polyline evenly(const Polyline& line, std::size_t count) {
@@ -48,8 +60,6 @@ Polyline evenly(const Polyline& line, std::size_t count) {
   return out;
 }
 
-double equal_radius(double area_mm2) { return std::sqrt(std::abs(area_mm2) / M_PI); }
-
 // How far the ink of a line lies from its middle at most: corners, and the corners of square caps.
 double half_width(const Stroke& stroke) {
   const double corner =
@@ -61,48 +71,21 @@ double half_width(const Stroke& stroke) {
 
 Outline outline(const Element& element, double scale) {
   Outline out;
-  const auto drawn = drawn_loop(element);
-  double largest = 0, second = 0;
-  bool filled_only = false;
   for (const Shape& shape : element.shapes)
     for (const Curve& curve : shape.curves) {
-      Polyline line = sampled(curve, element.centre, scale);
+      const Polyline line = sampled(curve, element.centre, scale);
       out.points.insert(out.points.end(), line.begin(), line.end());
       const double beyond = shape.stroke ? scale * half_width(*shape.stroke) : 0;
       for (const Vector2d& p : line) out.reach_mm = std::max(out.reach_mm, p.norm() + beyond);
-      if (!curve.closed || line.size() < 3) continue;
-      const double size = std::abs(signed_area(line));
-      if (size <= largest) {
-        second = std::max(second, size);
-        continue;
-      }
-      second = largest;
-      largest = size;
-      filled_only = !shape.stroke;
-      out.width_mm = shape.stroke ? scale * shape.stroke->width_mm : scale;
-      if (signed_area(line) < 0) std::reverse(line.begin(), line.end());
-      out.loop = std::move(line);
     }
-  if (drawn && drawn->kind != DrawnLoop::Kind::closed_line) {
-    out.loop = evenly(drawn->line, enough_points);
-    if (signed_area(out.loop) < 0) std::reverse(out.loop.begin(), out.loop.end());
-    for (Vector2d& p : out.loop) p = scale * (p - element.centre);
-    out.radius_mm = scale * equal_radius(drawn->area_mm2);
-    out.width_mm = scale * drawn->width_mm;
-    return out;
-  }
-  if (out.loop.empty()) {
-    out.radius_mm = out.reach_mm;
-    return out;
-  }
-  if (out.loop.size() > most_points) out.loop = evenly(out.loop, most_points);
-  out.radius_mm = equal_radius(largest);
-  if (const double inner = equal_radius(second); filled_only && inner > 0.5 * out.radius_mm) {
-    const double middle = 0.5 * (out.radius_mm + inner);
-    out.width_mm = out.radius_mm - inner;
-    for (Vector2d& p : out.loop) p *= middle / out.radius_mm;
-    out.radius_mm = middle;
-  }
+  out.radius_mm = out.reach_mm;
+  if (!element.loop) return out;
+  const DrawnLoop& loop = *element.loop;
+  out.loop = evenly(loop.line, points_for(loop.line));
+  if (signed_area(out.loop) < 0) std::reverse(out.loop.begin(), out.loop.end());
+  for (Vector2d& p : out.loop) p = scale * (p - element.centre);
+  out.radius_mm = scale * std::sqrt(loop.area_mm2 / M_PI);
+  out.width_mm = scale * loop.width_mm;
   return out;
 }
 

@@ -12,8 +12,7 @@ struct Outline {
   double reach_mm = 0;   // from the element's centre to its farthest ink
   double radius_mm = 0;  // of the circle with the area of the loop; without a loop the reach
   double width_mm = 1;   // of the loop's line
-  // The result of drawn_loop(), otherwise the largest closed curve, as a polyline about the centre of the element,
-  // counter-clockwise and without repeating its first point; empty if there is neither.
+  // That of a coil about its centre, counter-clockwise and without repeating its first point; empty for other elements.
   std::vector<Eigen::Vector2d> loop;
   std::vector<Eigen::Vector2d> points;  // of all curves, about the centre
 

@@ -2,11 +2,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "api/base/decimal.hpp"
 #include "worker/placement/alignment.hpp"
 #include "worker/stage/index.hpp"
+#include "worker/surface/nearest_point.hpp"
 
 namespace vacuform {
 
@@ -161,16 +163,98 @@ Result<std::optional<Anchor>> anchor_of(const ChartedSurface& charted, const Dra
   return std::optional(anchor);
 }
 
+// Puts coils where a layout has put them, if it was made for this surface. A coil that the drawing has elsewhere than
+// then, against most others, is moved by as much.
+std::optional<Warning> use_places(const ChartedSurface& charted, const Drawing& drawing,
+                                  const PatternSettings& settings, ElementLayout& layout) {
+  constexpr double same_surface_mm = 0.1, same_place_mm = 0.02;
+  const InkedSurface& surface = charted.surface();
+  const auto place_of = [&](std::size_t i) -> const std::optional<CoilPlace>& {
+    return drawing.elements[index(layout.elements[i].element)].place;
+  };
+  std::vector<std::size_t> placed;
+  std::array<std::vector<double>, 2> shifts;
+  for (std::size_t i = 0; i < layout.elements.size(); ++i) {
+    if (layout.elements[i].leader >= 0 || !place_of(i)) continue;
+    placed.push_back(i);
+    for (std::size_t k = 0; k < 2; ++k)
+      shifts[k].push_back(layout.centres[i].drawn[static_cast<Eigen::Index>(k)] -
+                          place_of(i)->drawn[static_cast<Eigen::Index>(k)]);
+  }
+  if (placed.empty()) return std::nullopt;
+  Warning unused{"places-unused", ""};
+  const PatternSettings untouched;
+  if (settings.scale != untouched.scale || settings.rotate_deg != untouched.rotate_deg ||
+      settings.offset_mm != untouched.offset_mm || !settings.points.empty()) {
+    unused.text =
+        "The drawing says where its coils lie on the head, and the settings move it: the coils are placed "
+        "by their distances";
+    unused.place = "pattern.offset_mm, pattern.rotate_deg, pattern.scale, pattern.points";
+    return unused;
+  }
+  std::vector<NearestPoint> found;
+  double farthest = 0;
+  for (const std::size_t i : placed) {
+    found.push_back(
+        nearest_point(surface.triangles(), surface.inked(), charted.flattening().triangles, place_of(i)->at));
+    farthest = std::max(farthest, found.back().distance_mm);
+  }
+  if (farthest > same_surface_mm) {
+    unused.text = "The drawing was laid out for another head, or with other settings: its places lie up to " +
+                  decimal(farthest, 1) + " mm off this surface, and the coils are placed by their distances";
+    unused.figure = Warning::Figure{farthest, "mm", same_surface_mm};
+    return unused;
+  }
+  Vector2d most;
+  for (std::size_t k = 0; k < 2; ++k) {
+    std::nth_element(shifts[k].begin(), shifts[k].begin() + static_cast<std::ptrdiff_t>(placed.size() / 2),
+                     shifts[k].end());
+    most[static_cast<Eigen::Index>(k)] = shifts[k][placed.size() / 2];
+  }
+  for (std::size_t p = 0; p < placed.size(); ++p) {
+    Centre& centre = layout.centres[placed[p]];
+    const CoilPlace& place = *place_of(placed[p]);
+    const SheetPoint from = centre.point;
+    centre.point = found[p].point;
+    const Vector3d& normal = surface.normal(centre.point.triangle);
+    centre.axis = (place.u - place.u.dot(normal) * normal).normalized();
+    centre.fixed = true;
+    if (const Vector2d by = centre.drawn - place.drawn - most; by.norm() > same_place_mm)
+      move(surface, centre, by);
+    centre.moved = {connect(surface, from, centre.point).mm, 0};
+  }
+  return std::nullopt;
+}
+
+// A single coil has no neighbour that says where it lies: it lies at its drawn distance from the drawing's centre.
+void place_alone(const InkedSurface& surface, ElementLayout& layout) {
+  std::vector<std::size_t> own;
+  for (std::size_t i = 0; i < layout.elements.size(); ++i)
+    if (layout.elements[i].leader < 0) own.push_back(i);
+  if (own.size() != 1 || !layout.origin || layout.centres[own.front()].fixed) return;
+  Centre& centre = layout.centres[own.front()];
+  Centre there = *layout.origin;
+  move(surface, there, centre.drawn);
+  const double moved = connect(surface, centre.point, there.point).mm;
+  centre.point = there.point, centre.axis = there.axis, centre.moved = {moved, 0};
+}
+
 Result<void> place_elements(const ChartedSurface& charted, const Drawing& drawing, const Alignment& alignment,
                             const PatternSettings& pattern, const CoilSettings& settings,
                             const Context& context, Placement& out) {
   const InkedSurface& surface = charted.surface();
   ElementLayout layout = lay_by_chart(charted, drawing, alignment);
   layout.keep = settings.keep;
+  // Where the user says where the drawing lies, only coils next to each other move from there.
+  if (!pattern.points.empty())
+    std::erase_if(layout.pairs, [](const Neighbours& pair) { return pair.weight < 1; });
   for (const Neighbours& n : layout.pairs)
     out.pairs.push_back({n.a, n.b, n.drawn_mm, geodesic_mm(surface, layout, n), 0, {}, {}});
+  out.places_unused = use_places(charted, drawing, pattern, layout);
   VACUFORM_TRY(anchor, anchor_of(charted, drawing, layout, pattern, context));
   VACUFORM_CHECK(multilaterate(charted, layout.centres, layout.pairs, context, anchor));
+  if (pattern.points.empty()) place_alone(surface, layout);
+  follow_leaders(charted, layout);
   VACUFORM_TRY(laid, lay_on_surface(charted, layout, context));
   take_layout(surface, drawing, alignment.scale, std::move(layout), std::move(laid), out);
   return {};
@@ -193,7 +277,7 @@ Result<Placement> place(const ChartedSurface& charted, const Drawing* drawing, c
                                                [](const Element& e) { return !e.id.empty(); });
   if (settings.pattern.placement == PatternPlacement::elements && !elements)
     return fail(Code::unusable_pattern, "the drawing has no elements", "pattern.placement",
-                "give an SVG whose coils are groups with an id, or pattern.placement=auto");
+                "give a drawing whose coils or figures are at most 150 mm across, or pattern.placement=auto");
   if (elements && settings.pattern.placement != PatternPlacement::chart)
     VACUFORM_CHECK(
         place_elements(charted, *drawing, alignment, settings.pattern, settings.coils, context, out));
@@ -215,6 +299,7 @@ void take_layout(const InkedSurface& surface, const Drawing& drawing, double sca
   out.spacing_rms_mm = counted > 0 ? std::sqrt(squares / counted) : 0;
   out.warnings.clear();
   say_what_was_found(drawing, out.layout, out.laid, out.warnings);
+  if (out.places_unused) out.warnings.push_back(*out.places_unused);
   out.elements.clear();
   for (std::size_t i = 0; i < out.laid.size(); ++i)
     out.elements.push_back(
@@ -227,7 +312,7 @@ Placement lay_flat(const ChartedSurface& charted) {
   Segment sheet{{{}, surface.rest(), surface.rest(), surface.inked()}, {}, 1};
   for (const int t : region) {
     sheet.triangles.push_back(static_cast<int>(sheet.triangles.size()));
-    sheet.patch.triangles.push_back(surface.triangles()[static_cast<std::size_t>(t)]);
+    sheet.patch.triangles.push_back(surface.triangles()[t]);
   }
   Placement placement;
   placement.charts.push_back(std::move(sheet));

@@ -46,6 +46,8 @@ struct Placement {
   ElementLayout layout;
   std::vector<ElementOnSurface> laid;
   double spacing_rms_mm = 0;  // of mm - drawn_mm over the pairs whose coils are both on the head
+  std::optional<Warning>
+      places_unused;  // "places-unused": places of a layout (CoilPlace) that do not count here
   std::vector<Warning> warnings;
 };
 

@@ -29,8 +29,7 @@ PolarGrid::PolarGrid(const ChartedSurface& charted, const SheetPoint& centre, co
   const InkedSurface& surface = charted.surface();
   for (int d = 0; d < directions; ++d) {
     const auto put = [&](int ring, const SheetPoint& p) {
-      stops_[static_cast<std::size_t>(ring * directions + d)] = {true, charted.on_chart(p.triangle),
-                                                                 surface.rest(p), surface.place(p)};
+      stops_[ring * directions + d] = {true, charted.on_chart(p.triangle), surface.rest(p), surface.place(p)};
     };
     put(0, centre);
     GeodesicWalk walk(surface, centre, turned(surface, centre.triangle, axis, 2 * M_PI * d / directions));
@@ -71,7 +70,7 @@ void PolarGrid::measure() {
 double PolarGrid::flat_radius(double geodesic_mm) const {
   const double r = std::max(0.0, geodesic_mm / spacing_);
   const int ring = std::min(static_cast<int>(r), rings_ - 1);
-  const double a = flat_[static_cast<std::size_t>(ring)], b = flat_[static_cast<std::size_t>(ring) + 1];
+  const double a = flat_[ring], b = flat_[static_cast<std::size_t>(ring) + 1];
   return a + (r - ring) * (b - a);
 }
 
@@ -108,8 +107,17 @@ std::optional<Vector3d> PolarGrid::place(const Vector2d& flat) const {
   return (1 - c->outward) * chord(c->ring) + c->outward * chord(c->ring + 1);
 }
 
+bool PolarGrid::on_chart(const Vector2d& flat) const {
+  const auto c = cell(flat);
+  if (!c) return false;
+  for (const int ring : {c->ring, c->ring + 1})
+    for (const int direction : {c->direction, c->direction + 1})
+      if (!stop(ring, direction).on_chart) return false;
+  return true;
+}
+
 bool PolarGrid::folded(double flat_mm) const {
-  for (int ring = 0; ring < rings_ && flat_[static_cast<std::size_t>(ring)] < flat_mm; ++ring)
+  for (int ring = 0; ring < rings_ && flat_[ring] < flat_mm; ++ring)
     for (int d = 0; d < directions_; ++d) {
       const Stop &a = stop(ring, d), &b = stop(ring + 1, d), &c = stop(ring + 1, d + 1),
                  &e = stop(ring, d + 1);
@@ -129,14 +137,13 @@ ElementPatch PolarGrid::patch() const {
     for (int d = 0; d < (ring > 0 ? directions_ : 1); ++d) {
       const Stop& s = stop(ring, d);
       if (!s.there) continue;
-      vertex[static_cast<std::size_t>(ring * directions_ + d)] = static_cast<int>(out.uv.size());
-      out.uv.push_back(flat_[static_cast<std::size_t>(ring)] *
-                       Vector2d(std::cos(d * step), std::sin(d * step)));
+      vertex[ring * directions_ + d] = static_cast<int>(out.uv.size());
+      out.uv.push_back(flat_[ring] * Vector2d(std::cos(d * step), std::sin(d * step)));
       out.rest.push_back(s.rest);
       out.inked.push_back(s.inked);
     }
   const auto at = [&](int ring, int d) {
-    return vertex[static_cast<std::size_t>(ring * directions_ + (ring > 0 ? d % directions_ : 0))];
+    return vertex[ring * directions_ + (ring > 0 ? d % directions_ : 0)];
   };
   for (int ring = 0; ring < rings_; ++ring)
     for (int d = 0; d < directions_; ++d) {

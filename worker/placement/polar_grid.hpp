@@ -36,6 +36,7 @@ class PolarGrid {
   // The place of flat coordinates, linear in the cells of the grid; nothing beyond the reach or the border of the
   // sheet.
   std::optional<Eigen::Vector3d> place(const Eigen::Vector2d& flat) const;
+  bool on_chart(const Eigen::Vector2d& flat) const;
   // Whether geodesics cross before `flat_mm`, so that places there have more than one direction.
   bool folded(double flat_mm) const;
 

@@ -203,7 +203,7 @@ std::vector<End> ends_of(const Region& region, const std::vector<Segment>& segme
     const auto row = std::lower_bound(s.triangles.begin(), s.triangles.end(), triangle) - s.triangles.begin();
     const Triangle& corners = region.chart.triangles[index(triangle)];
     const auto k = std::find(corners.begin(), corners.end(), vertex) - corners.begin();
-    return s.patch.triangles[static_cast<std::size_t>(row)][static_cast<std::size_t>(k)];
+    return s.patch.triangles[row][k];
   };
   std::vector<End> out;
   for (const Side& side : border)

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "worker/numerics/dense.hpp"
 #include "worker/stage/index.hpp"
@@ -76,7 +75,7 @@ Measured measure(const ChartedSurface& charted, const std::vector<Centre>& centr
   for (const Neighbours& n : pairs) {
     out.ways.push_back(way_between(charted, centres[index(n.a)], centres[index(n.b)]));
     const double error = out.ways.back().mm - n.drawn_mm;
-    out.squares += error * error;
+    out.squares += n.weight * error * error;
   }
   return out;
 }
@@ -88,7 +87,7 @@ MatrixXd rigid_rows(const std::vector<Centre>& centres) {
   Vector2d middle = Vector2d::Zero();
   for (const Centre& c : centres) middle += c.drawn / static_cast<double>(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Vector2d arm = centres[static_cast<std::size_t>(i)].drawn - middle;
+    const Vector2d arm = centres[i].drawn - middle;
     rows(0, 2 * i) = rows(1, 2 * i + 1) = 1;
     rows(2, 2 * i) = -arm.y();
     rows(2, 2 * i + 1) = arm.x();
@@ -126,21 +125,33 @@ Vector2d off_origin(const InkedSurface& surface, const Centre& origin, const std
   return sum / total;
 }
 
-std::vector<Neighbours> neighbours(const std::vector<Centre>& centres) {
-  constexpr double reach = 1.25;
-  const auto ratio = [&](std::size_t i, std::size_t j) {
-    return (centres[i].drawn - centres[j].drawn).norm() / (centres[i].radius_mm + centres[j].radius_mm);
-  };
-  std::vector<double> nearest(centres.size(), std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < centres.size(); ++i)
-    for (std::size_t j = 0; j < centres.size(); ++j)
-      if (i != j) nearest[i] = std::min(nearest[i], ratio(i, j));
+std::vector<Neighbours> neighbours(const std::vector<Centre>& centres, const std::vector<int>& nodes) {
+  constexpr double near = 1.25,
+                   slack = 1.02;  // of the radii together; of the circle, so that squares have no diagonals
+  const auto drawn = [&](int i) -> const Vector2d& { return centres[index(i)].drawn; };
   std::vector<Neighbours> out;
-  for (std::size_t i = 0; i < centres.size(); ++i)
-    for (std::size_t j = i + 1; j < centres.size(); ++j)
-      if (ratio(i, j) <= reach * std::min(1.0, std::max(nearest[i], nearest[j])))
-        out.push_back(
-            {static_cast<int>(i), static_cast<int>(j), (centres[i].drawn - centres[j].drawn).norm()});
+  for (const int a : nodes) {
+    std::vector<int> others = nodes;  // nearest first: what lies in a circle is found soon
+    std::sort(others.begin(), others.end(), [&](int p, int q) {
+      return std::pair((drawn(p) - drawn(a)).squaredNorm(), p) <
+             std::pair((drawn(q) - drawn(a)).squaredNorm(), q);
+    });
+    for (const int b : others) {
+      if (b <= a) continue;
+      const double mm = (drawn(a) - drawn(b)).norm();
+      const Vector2d middle = (drawn(a) + drawn(b)) / 2;
+      const bool free = std::none_of(others.begin(), others.end(), [&](int c) {
+        return c != a && c != b && (drawn(c) - middle).norm() < slack * mm / 2 &&
+               (drawn(c) - drawn(a)).norm() < mm && (drawn(c) - drawn(b)).norm() < mm;
+      });
+      if (!free) continue;
+      const double reach = near * (centres[index(a)].radius_mm + centres[index(b)].radius_mm);
+      out.push_back({a, b, mm, mm > reach ? reach * reach / (mm * mm) : 1});
+    }
+  }
+  std::sort(out.begin(), out.end(), [](const Neighbours& p, const Neighbours& q) {
+    return std::pair(p.a, p.b) < std::pair(q.a, q.b);
+  });
   return out;
 }
 
@@ -152,7 +163,9 @@ Result<void> multilaterate(const ChartedSurface& charted, std::vector<Centre>& c
   constexpr double held = 1e-2;  // weight that keeps what no pair determines; too small to affect a distance
   const Eigen::Index size = 2 * static_cast<Eigen::Index>(centres.size());
   const InkedSurface& surface = charted.surface();
+  const bool any_fixed = std::any_of(centres.begin(), centres.end(), [](const Centre& c) { return c.fixed; });
   MatrixXd rigid = rigid_rows(centres);
+  if (any_fixed) rigid.setZero();
   Anchored anchored;
   if (about) {
     anchored = anchored_rows(centres);
@@ -163,8 +176,7 @@ Result<void> multilaterate(const ChartedSurface& charted, std::vector<Centre>& c
     VACUFORM_CHECK(context.step(Stage::printing, 0));
     MatrixXd normal = held * held * MatrixXd::Identity(size, size) + rigid.transpose() * rigid;
     VectorXd moved(size);
-    for (Eigen::Index i = 0; i < size / 2; ++i)
-      moved.segment<2>(2 * i) = centres[static_cast<std::size_t>(i)].moved;
+    for (Eigen::Index i = 0; i < size / 2; ++i) moved.segment<2>(2 * i) = centres[i].moved;
     VectorXd rhs = -(held * held * moved + rigid.transpose() * (rigid * moved));
     if (about) {
       normal += anchored.rows.transpose() * anchored.rows;
@@ -174,13 +186,19 @@ Result<void> multilaterate(const ChartedSurface& charted, std::vector<Centre>& c
       const int a = pairs[p].a, b = pairs[p].b;
       const Vector2d at_a = -in_frame(surface, centres[index(a)], now.ways[p].leaving),
                      at_b = in_frame(surface, centres[index(b)], now.ways[p].arriving);
-      const double error = now.ways[p].mm - pairs[p].drawn_mm;
-      normal.block<2, 2>(2 * a, 2 * a) += at_a * at_a.transpose();
-      normal.block<2, 2>(2 * b, 2 * b) += at_b * at_b.transpose();
-      normal.block<2, 2>(2 * a, 2 * b) += at_a * at_b.transpose();
-      normal.block<2, 2>(2 * b, 2 * a) += at_b * at_a.transpose();
+      const double weight = pairs[p].weight, error = weight * (now.ways[p].mm - pairs[p].drawn_mm);
+      normal.block<2, 2>(2 * a, 2 * a) += weight * at_a * at_a.transpose();
+      normal.block<2, 2>(2 * b, 2 * b) += weight * at_b * at_b.transpose();
+      normal.block<2, 2>(2 * a, 2 * b) += weight * at_a * at_b.transpose();
+      normal.block<2, 2>(2 * b, 2 * a) += weight * at_b * at_a.transpose();
       rhs.segment<2>(2 * a) -= error * at_a;
       rhs.segment<2>(2 * b) -= error * at_b;
+    }
+    for (Eigen::Index i = 0; i < size; ++i) {
+      if (!centres[index(static_cast<int>(i / 2))].fixed) continue;
+      normal.row(i).setZero();
+      normal.col(i).setZero();
+      normal(i, i) = 1, rhs[i] = 0;
     }
     VectorXd step = solve_symmetric(normal, rhs);
     constexpr double longest_mm = 10;
@@ -189,8 +207,7 @@ Result<void> multilaterate(const ChartedSurface& charted, std::vector<Centre>& c
     Measured next;
     for (int halving = 0; halving < 8; ++halving, step *= 0.5) {
       centres = before;
-      for (Eigen::Index i = 0; i < size / 2; ++i)
-        move(surface, centres[static_cast<std::size_t>(i)], step.segment<2>(2 * i));
+      for (Eigen::Index i = 0; i < size / 2; ++i) move(surface, centres[i], step.segment<2>(2 * i));
       next = measure(charted, centres, pairs, about, anchored.per_mm);
       if (next.squares <= now.squares * (1 + 1e-9) + 1e-9 * static_cast<double>(pairs.size())) break;
     }
@@ -215,7 +232,8 @@ std::vector<double> turns(const ChartedSurface& charted, const std::vector<Centr
     add(n.b, n.a, -way.arriving);
   }
   std::vector<double> out;
-  for (const Vector2d& s : sum) out.push_back(s.norm() > 1e-9 ? std::atan2(s.y(), s.x()) : 0);
+  for (std::size_t i = 0; i < sum.size(); ++i)
+    out.push_back(sum[i].norm() > 1e-9 && !centres[i].fixed ? std::atan2(sum[i].y(), sum[i].x()) : 0);
   return out;
 }
 

@@ -16,6 +16,7 @@ struct Centre {
   Eigen::Vector2d drawn{0, 0};    // in the drawing at its scale, mm
   Eigen::Vector2d moved{0, 0};    // sum of all moves along axis and across it, mm
   double radius_mm = 0;           // of the loop
+  bool fixed = false;             // stays in its place, with its axis, whatever its neighbours ask for
 };
 
 // Moves the centre along geodesics: mm along the axis and across it (counter-clockwise). Stops at the border of the
@@ -25,13 +26,14 @@ void move(const InkedSurface& surface, Centre& centre, const Eigen::Vector2d& by
 struct Neighbours {
   int a = 0, b = 0;  // a < b
   double drawn_mm = 0;
+  double weight = 1;  // of the error of their distance, squared
 };
 
-// Which elements are neighbours in the drawing, in the order of a, then b. Distances are in units of the sum of the two
-// radii. Two elements are neighbours if their distance is at most 1.25, and at most 1.25 times that of the nearest
-// element of one of the two. So a hexagonal array (0.76 between neighbours) gives its nearest pairs and not the next
-// (1.31), and coils drawn with a gap of a quarter of their size are still neighbours.
-std::vector<Neighbours> neighbours(const std::vector<Centre>& centres);
+// Which of `nodes` are neighbours in the drawing, in the order of a, then b: those with no other node in the circle over
+// their distance (Gabriel, Sokal 1969, "A new statistical approach to geographic variation analysis"). So all nodes hang
+// together, near and far, and a hexagonal or a square array gives its nearest pairs and not the next. Pairs farther
+// apart than 1.25 times the sum of their radii count less, by the inverse square of their distance.
+std::vector<Neighbours> neighbours(const std::vector<Centre>& centres, const std::vector<int>& nodes);
 
 // Where an array lies as a whole: the place of the drawing's centre, and how far off the centres lie as seen from there,
 // mm along its axis and across it. A centre is seen by the direction and the length of the geodesic to it, and its error
@@ -48,13 +50,13 @@ Eigen::Vector2d off_origin(const InkedSurface& surface, const Centre& origin,
 // Gauss-Newton method, whose gradients are the directions in which the geodesics arrive. The array as a whole neither
 // drifts nor rotates: the moves, in the drawing, have no mean and no mean moment about the centroid of the centres. With
 // an anchor the array comes to lie by it instead of the mean, within some hundredths of a millimetre. A centre without
-// pairs stays in place. Ends when no centre moves by a micrometre. Deterministic. Errors: cancelled.
+// pairs, or that is fixed, stays in place; with a fixed one nothing else holds the array as a whole. Ends when no centre moves by a micrometre. Deterministic. Errors: cancelled.
 Result<void> multilaterate(const ChartedSurface& charted, std::vector<Centre>& centres,
                            const std::vector<Neighbours>& pairs, const Context& context,
                            const std::optional<Anchor>& anchor = {});
 
 // The rotation of the axis of each centre, radians, that brings the drawn directions to its neighbours nearest to the
-// directions on the surface (Procrustes); 0 without neighbours.
+// directions on the surface (Procrustes); 0 without neighbours, or if it is fixed.
 std::vector<double> turns(const ChartedSurface& charted, const std::vector<Centre>& centres,
                           const std::vector<Neighbours>& pairs);
 

@@ -29,12 +29,12 @@ struct TriangleInk {
 
 TriangleInk examine(const SheetColours& colours, const ColourInk& ink, int triangle) {
   const FormedSheet& sheet = colours.sheet();
-  const Triangle& corners = sheet.triangles[static_cast<std::size_t>(triangle)];
+  const Triangle& corners = sheet.triangles[triangle];
   std::array<Vector3d, 3> at;
   std::array<double, 3> ratio;
   for (std::size_t k = 0; k < 3; ++k) {
-    at[k] = sheet.formed[static_cast<std::size_t>(corners[k])];
-    ratio[k] = ink.area_ratios[static_cast<std::size_t>(corners[k])];
+    at[k] = sheet.formed[corners[k]];
+    ratio[k] = ink.area_ratios[corners[k]];
   }
   const Vector3d across = (at[1] - at[0]) / samples_a_side, down = (at[2] - at[0]) / samples_a_side;
   ColourWalk walk(colours.surface(), across, down);
@@ -60,9 +60,7 @@ TriangleInk examine(const SheetColours& colours, const ColourInk& ink, int trian
 }
 
 double area_in_space(const InkedSurface& surface, const Triangle& t) {
-  const auto at = [&](std::size_t k) -> const Vector3d& {
-    return surface.inked()[static_cast<std::size_t>(t[k])];
-  };
+  const auto at = [&](std::size_t k) -> const Vector3d& { return surface.inked()[t[k]]; };
   return 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
 }
 
@@ -98,21 +96,13 @@ Vector3f ColourInk::seen(const Vector3f& printed, float area_ratio) const {
 ColourInk colour_ink(const InkedSurface& surface, const InkCurveRows& curve) {
   std::vector<double> flat(surface.rest().size(), 0), formed(flat);
   for (const Triangle& t : surface.triangles()) {
-    const auto rest = [&](std::size_t k) -> const Eigen::Vector2d& {
-      return surface.rest()[static_cast<std::size_t>(t[k])];
-    };
+    const auto rest = [&](std::size_t k) -> const Eigen::Vector2d& { return surface.rest()[t[k]]; };
     const double before = 0.5 * std::abs(cross(rest(1) - rest(0), rest(2) - rest(0))),
                  after = area_in_space(surface, t);
-    for (const int v : t)
-      flat[static_cast<std::size_t>(v)] += before, formed[static_cast<std::size_t>(v)] += after;
+    for (const int v : t) flat[v] += before, formed[v] += after;
   }
   for (std::size_t v = 0; v < flat.size(); ++v) formed[v] = flat[v] > 0 ? formed[v] / flat[v] : 1;
   return {InkCurve(curve), std::move(formed)};
-}
-
-std::optional<ColourInk> ink_of(const Print& print, const InkedSurface& surface, const InkCurveRows& curve) {
-  if (!print.shortage) return {};
-  return colour_ink(surface, curve);
 }
 
 InkShortage ink_shortage(const SheetColours& colours, const InkedSurface& surface, const ColourInk& ink) {
@@ -124,7 +114,7 @@ InkShortage ink_shortage(const SheetColours& colours, const InkedSurface& surfac
   });
   InkShortage out;
   for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const double area = area_in_space(surface, surface.triangles()[static_cast<std::size_t>(triangles[i])]);
+    const double area = area_in_space(surface, surface.triangles()[triangles[i]]);
     out.coloured_mm2 += found[i].coloured * area;
     out.short_mm2 += found[i].too_little * area;
     if (found[i].lack > out.lack)
@@ -143,6 +133,16 @@ std::optional<Warning> warning_of(const InkShortage& shortage) {
                          decimal(100 * shortage.lack, 0) + " % coverage of " + ink_names[shortage.ink],
                  .marks = {{{shortage.place.x(), shortage.place.y(), shortage.place.z()}}},
                  .figure = Warning::Figure{percent, "%", 100 * least_share}};
+}
+
+PrintedColours printed_colours(const SheetColours& colours, const InkedSurface& surface,
+                               const PrintSettings& settings) {
+  PrintedColours printed{colours};
+  if (settings.compensate_colours) {
+    printed.ink = colour_ink(surface, settings.ink_curve);
+    printed.shortage = ink_shortage(colours, surface, *printed.ink);
+  }
+  return printed;
 }
 
 }  // namespace vacuform

@@ -19,14 +19,14 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-ColourRaster::ColourRaster(const SheetColours& colours, int width, int height, double pixel_mm,
-                           Compensation compensation, int samples)
+ColourRaster::ColourRaster(const SheetColours& colours, const PrintGrid& grid, Compensation compensation,
+                           int samples)
     : colours_(colours),
       compensation_(compensation),
-      width_(width),
-      height_(height),
+      width_(grid.width),
+      height_(grid.height),
       samples_(samples),
-      band_(band_rows_of(width)) {
+      band_(band_rows_of(grid.width)) {
   const double n = samples;
   const FormedSheet& sheet = colours.sheet();
   Vector2d low(width_, height_), high(0, 0);
@@ -35,9 +35,9 @@ ColourRaster::ColourRaster(const SheetColours& colours, int width, int height, d
     std::array<Vector3d, 3> formed;
     Vector3d ratio = Vector3d::Ones();
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto v = static_cast<std::size_t>(sheet.triangles[static_cast<std::size_t>(t)][k]);
-      const Vector2d pixel(sheet.rest[v].x() / pixel_mm + 0.5 * width_,
-                           0.5 * height_ - sheet.rest[v].y() / pixel_mm);
+      const auto v = static_cast<std::size_t>(sheet.triangles[t][k]);
+      const Vector2d pixel(sheet.rest[v].x() / grid.pixel_mm + 0.5 * width_,
+                           0.5 * height_ - sheet.rest[v].y() / grid.pixel_mm);
       piece.corners[k] = n * pixel;
       formed[k] = sheet.formed[v];
       if (compensation.ink) ratio[static_cast<Eigen::Index>(k)] = compensation.ink->area_ratios[v];
@@ -58,7 +58,7 @@ ColourRaster::ColourRaster(const SheetColours& colours, int width, int height, d
     piece.ratio_across = change.x();
     piece.ratio_down = change.y();
     piece.ratio = ratio[0] - change * piece.corners[0];
-    piece.start = colours.nearest_triangle(sheet.triangles[static_cast<std::size_t>(t)][0]);
+    piece.start = colours.nearest_triangle(sheet.triangles[t][0]);
     pieces_.push_back(piece);
   }
   box_ = box_between(low, high, width_, height_);
@@ -109,7 +109,7 @@ void ColourRaster::add(const Piece& piece, int places, const Wanted& wanted, Str
           const Eigen::Vector3f linear =
               inked(found->linear, static_cast<float>(ratio + (x + 0.5) * step * piece.ratio_across));
           std::array<float, 4>& sum = strip.sums[pixel];
-          for (int c = 0; c < 3; ++c) sum[static_cast<std::size_t>(c)] += share * linear[c];
+          for (int c = 0; c < 3; ++c) sum[c] += share * linear[c];
           sum[3] += share;
         }
       });
@@ -121,7 +121,7 @@ std::vector<char> ColourRaster::borders(const Strip& strip, const std::vector<in
   std::vector<char> border(strip.sums.size(), 0), inside(strip.sums.size(), 0);
   const int n = samples_;
   for (const int i : pieces)
-    scan_triangle(pieces_[static_cast<std::size_t>(i)].corners, width_ * n, strip.top * n, strip.bottom * n,
+    scan_triangle(pieces_[i].corners, width_ * n, strip.top * n, strip.bottom * n,
                   [&](int row, int begin, int end) {
                     for (int x = std::max(begin, strip.left * n);
                          x < std::min(end, (strip.left + strip.width) * n); ++x)
@@ -156,8 +156,8 @@ std::vector<ColourRaster::Origin> ColourRaster::origins(int row, int first, int 
   const int n = samples_;
   const ColourReach& reach = colours_.reach();
   std::vector<Origin> out(static_cast<std::size_t>(std::max(0, (width_ - first + step - 1) / step)));
-  for (const int i : of_band_[static_cast<std::size_t>(row / band_)]) {
-    const Piece& piece = pieces_[static_cast<std::size_t>(i)];
+  for (const int i : of_band_[row / band_]) {
+    const Piece& piece = pieces_[i];
     ColourWalk walk(colours_.surface(), piece.across, piece.down, piece.start);
     scan_triangle(piece.corners, width_ * n, row * n, (row + 1) * n, [&](int y, int begin, int end) {
       const Vector3d start = piece.origin + (y + 0.5) * piece.down;
@@ -166,7 +166,7 @@ std::vector<ColourRaster::Origin> ColourRaster::origins(int row, int first, int 
         if (after < 0 || after % step != 0) continue;
         const auto found = walk.at(start + (x + 0.5) * piece.across, reach.end_mm());
         if (!found) continue;
-        Origin& origin = out[static_cast<std::size_t>(after / step)];
+        Origin& origin = out[after / step];
         const double share = reach.share(found->distance_mm);
         origin.scan += share * found->place;
         origin.share += share;
@@ -187,22 +187,21 @@ Eigen::Vector3f ColourRaster::inked(const Eigen::Vector3f& linear, float area_ra
 std::vector<std::uint8_t> ColourRaster::rows(int top, int bottom) const {
   std::vector<std::uint8_t> pixels(
       4 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(bottom - top), 0);
-  const auto& pieces = of_band_[static_cast<std::size_t>(top / band_)];
+  const auto& pieces = of_band_[top / band_];
   if (pieces.empty()) return pixels;
   const auto make = [&](int first, int last) {
     // First one place for each pixel, with one more row on each side to compare with; then more places at borders.
     Strip strip(box_, std::max(first - 1, 0), std::min(last + 1, height_));
     for (const int i : pieces)
       add(
-          pieces_[static_cast<std::size_t>(i)], 1, [](std::size_t) { return true; }, strip);
+          pieces_[i], 1, [](std::size_t) { return true; }, strip);
     if (samples_ > 1) {
       const std::vector<char> border = borders(strip, pieces);
       for (std::size_t i = 0; i < border.size(); ++i)
         if (border[i]) strip.sums[i] = {};
       for (const int i : pieces)
         add(
-            pieces_[static_cast<std::size_t>(i)], samples_,
-            [&](std::size_t pixel) { return border[pixel] != 0; }, strip);
+            pieces_[i], samples_, [&](std::size_t pixel) { return border[pixel] != 0; }, strip);
     }
     for (int y = first; y < last; ++y) {
       const std::array<float, 4>* sum = &strip.sums[strip.at(box_.left, y)];

@@ -21,13 +21,14 @@ class ColourRaster : public RowSource {
   };
   // `samples`: parts along each side of a pixel at a border, which is smoother with more of them: 2 for a print, 1 for a
   // picture that is shown smaller.
-  ColourRaster(const SheetColours& colours, int width, int height, double pixel_mm, Compensation compensation,
+  ColourRaster(const SheetColours& colours, const PrintGrid& grid, Compensation compensation,
                int samples = 2);
-  ColourRaster(const SheetColours& colours, int width, int height, double pixel_mm, int samples = 2)
-      : ColourRaster(colours, width, height, pixel_mm, Compensation(), samples) {}
+  ColourRaster(const SheetColours& colours, const PrintGrid& grid, int samples = 2)
+      : ColourRaster(colours, grid, Compensation(), samples) {}
 
   PixelBox box() const override { return box_; }
   int band_rows() const override { return band_; }
+  int channels() const override { return 4; }
   std::vector<std::uint8_t> rows(int top, int bottom) const override;
 
   // Where the colour of a pixel comes from.

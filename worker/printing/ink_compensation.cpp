@@ -15,7 +15,7 @@ using Eigen::Vector2d;
 constexpr int steps = 4;  // of the samples along a triangle's side
 
 double stretched_area(const Patch& chart, const Triangle& t) {
-  const auto at = [&](const auto& points, std::size_t k) { return points[static_cast<std::size_t>(t[k])]; };
+  const auto at = [&](const auto& points, std::size_t k) { return points[t[k]]; };
   const Vector2d a = at(chart.rest, 1) - at(chart.rest, 0), b = at(chart.rest, 2) - at(chart.rest, 0);
   const double flat = std::abs(cross(a, b));
   const Eigen::Vector3d p = at(chart.inked, 1) - at(chart.inked, 0),
@@ -45,7 +45,7 @@ std::vector<std::vector<double>> ink_gain(const std::vector<const Patch*>& patch
     gain.emplace_back();
     for (const Triangle& t : patch->triangles) {
       gain.back().push_back(stretched_area(*patch, t));
-      const auto at = [&](std::size_t k) { return patch->uv[static_cast<std::size_t>(t[k])]; };
+      const auto at = [&](std::size_t k) { return patch->uv[t[k]]; };
       const Vector2d a = at(0), b = at(1) - a, c = at(2) - a;
       for (int i = 0; i < steps; ++i)
         for (int j = 0; i + j < steps; ++j) {

@@ -1,12 +1,13 @@
 // How much of a drawing falls onto the charts. Internal to worker/printing.
 #pragma once
 
-#include "worker/printing/print.hpp"
+#include "worker/pattern/pattern.hpp"
+#include "worker/placement/placement.hpp"
 
 namespace vacuform {
 
 // The fraction of the ink of the drawing inside the triangles of the charts in pattern coordinates, in [0, 1], measured
 // on a grid of a thousand cells along the longer side of the drawing.
-double ink_on_chart(const std::vector<std::array<Eigen::Vector2d, 3>>& pattern_uv, const Pattern& pattern);
+double ink_on_charts(const std::vector<Segment>& charts, const Pattern& pattern);
 
 }  // namespace vacuform

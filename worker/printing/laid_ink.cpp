@@ -13,7 +13,7 @@ namespace vacuform {
 namespace {
 
 using Eigen::Vector2d;
-constexpr double pixel_mm = 0.25, most_pixels = 2000;
+constexpr double least_pixel_mm = 0.25, most_pixels = 2000;
 constexpr int faint = 8;  // of 255: below it is the rim of a soft edge
 
 std::uint8_t darkness(const std::uint8_t* p, int channels) {
@@ -24,25 +24,25 @@ std::uint8_t darkness(const std::uint8_t* p, int channels) {
 
 }  // namespace
 
-LaidInk::Grid::Grid(double width_mm, double height_mm)
-    : pixel_mm(std::max(vacuform::pixel_mm, std::max(width_mm, height_mm) / most_pixels)) {
-  width = static_cast<int>(std::ceil(width_mm / pixel_mm));
-  height = static_cast<int>(std::ceil(height_mm / pixel_mm));
+PrintGrid LaidInk::grid_of(double width_mm, double height_mm) {
+  const double pixel_mm = std::max(least_pixel_mm, std::max(width_mm, height_mm) / most_pixels);
+  return {static_cast<int>(std::ceil(width_mm / pixel_mm)), static_cast<int>(std::ceil(height_mm / pixel_mm)),
+          pixel_mm};
 }
 
-LaidInk::LaidInk(const RowSource& source, const Grid& grid, int channels)
-    : grid_(grid),
-      ink_(static_cast<std::size_t>(grid_.width) * static_cast<std::size_t>(grid_.height), std::uint8_t{0}) {
-  add(source, channels);
-}
-
-void LaidInk::add(const RowSource& source, int channels) {
-  auto ink = ink_.begin();
-  for (int top = 0; top < grid_.height; top += source.band_rows()) {
-    const auto band = source.rows(top, std::min(top + source.band_rows(), grid_.height));
-    for (std::size_t i = 0; i < band.size(); i += static_cast<std::size_t>(channels), ++ink)
-      *ink = std::max(*ink, darkness(&band[i], channels));
+LaidInk::LaidInk(const RowSource& source, const PrintGrid& grid) : grid_(grid) {
+  ink_.reserve(static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height));
+  const int channels = source.channels();
+  for (int top = 0; top < grid.height; top += source.band_rows()) {
+    const auto band = source.rows(top, std::min(top + source.band_rows(), grid.height));
+    for (std::size_t i = 0; i < band.size(); i += static_cast<std::size_t>(channels))
+      ink_.push_back(darkness(&band[i], channels));
   }
+}
+
+void LaidInk::add(const LaidInk& other) {
+  std::transform(ink_.begin(), ink_.end(), other.ink_.begin(), ink_.begin(),
+                 [](std::uint8_t a, std::uint8_t b) { return std::max(a, b); });
 }
 
 double LaidInk::share_on(const ChartedSurface& charted) const {

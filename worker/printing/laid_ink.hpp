@@ -13,16 +13,13 @@ namespace vacuform {
 
 class LaidInk {
  public:
-  // The grid that a source must use: the size of the sheet, at most 2000 pixels per side.
-  struct Grid {
-    int width, height;
-    double pixel_mm;
-    Grid(double width_mm, double height_mm);
-  };
-  // `channels` of the source: 1 gray on white, 4 RGBA.
-  LaidInk(const RowSource& source, const Grid& grid, int channels);
-  // Ink of another layer of the same sheet.
-  void add(const RowSource& source, int channels);
+  // The grid for a sheet of this size: at most 2000 pixels per side.
+  static PrintGrid grid_of(double width_mm, double height_mm);
+
+  // `grid` is that of the source.
+  LaidInk(const RowSource& source, const PrintGrid& grid);
+  // Adds the ink of another layer on the same grid.
+  void add(const LaidInk& other);
 
   // The share of the ink, by its area on the formed surface, that lies on the chart; 1 without any ink.
   double share_on(const ChartedSurface& charted) const;
@@ -30,7 +27,7 @@ class LaidInk {
   bool any_near(const Eigen::Vector2d& rest, double mm) const;
 
  private:
-  Grid grid_;
+  PrintGrid grid_;
   std::vector<std::uint8_t> ink_;  // 0 none to 255 black, rows from the top
 };
 

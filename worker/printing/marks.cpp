@@ -180,31 +180,7 @@ void draw(cairo_t* cairo, const Mark& mark) {
   }
 }
 
-std::string coordinates(double x, double y) { return decimal(x, 3) + "," + decimal(y, 3); }
-
-}  // namespace
-
-Marks lay_out_marks(const Settings& settings, const PrintLabel& label,
-                    const std::vector<Eigen::AlignedBox2d>& taken, std::vector<Line> outline) {
-  const auto& sheet = settings.sheet;
-  const auto& machine = settings.machine;
-  const double margin = settings.print.margin_mm;
-  const Vector2d half(sheet.width_mm / 2 - margin, sheet.height_mm / 2 - margin);
-  Marks laid;
-  if (half.minCoeff() < 20) {
-    laid.warnings.push_back(
-        {.code = "marks-left-out",
-         .text = "print.margin_mm leaves no room for marks on this sheet; none are printed.",
-         .figure = Warning::Figure{margin, "mm"},
-         .place = "the sheet's edge"});
-    return laid;
-  }
-  std::vector<Mark> all;
-
-  all.push_back({.name = margin > 0 ? "frame" : "sheet-edge",
-                 .lines = {rectangle(half, false)},
-                 .circles = {},
-                 .texts = {}});
+Mark window_mark(const MachineSettings& machine) {
   const bool circular = machine.window == WindowShape::circle;
   const Vector2d opening(machine.window_width_mm / 2,
                          (circular ? machine.window_width_mm : machine.window_height_mm) / 2);
@@ -213,20 +189,13 @@ Marks lay_out_marks(const Settings& settings, const PrintLabel& label,
     window.circles.push_back({.centre = {0, 0}, .radius = opening.x(), .dashed = true});
   else
     window.lines.push_back(rectangle(opening, true));
-  if ((opening.array() < half.array()).all()) all.push_back(std::move(window));
+  return window;
+}
 
-  const Vector2d corner = half - Vector2d(3.5, 3.5);
-  all.push_back(registration("registration-lower-left", -corner, true));
-  all.push_back(registration("registration-lower-right", {corner.x(), -corner.y()}, false));
-  all.push_back(registration("registration-upper-left", {-corner.x(), corner.y()}, false));
-  all.push_back(registration("registration-upper-right", corner, false));
-
-  const double room = 2 * half.x() - 16;
-  const double ruler_mm = room >= 112 ? 100 : room >= 62 ? 50 : 20;
-  all.push_back(ruler(ruler_mm, half.y() - 0.8));
-  all.push_back(t_arrow(-half.x() + 2.2));
-
-  const bool mirrored = settings.pattern.inked_face == InkedFace::inner;
+// What the print says about itself, in as many lines as it needs, the first at the top.
+Mark legend(const Settings& settings, bool mirrored, const PrintLabel& label, const Vector2d& half) {
+  const SheetSettings& sheet = settings.sheet;
+  const double room = 2 * half.x() - 16, margin = settings.print.margin_mm;
   const std::string side = mirrored ? "inner face, MIRRORED: print on the side that touches the mold"
                                     : "outer face, seen from above";
   std::vector<std::string> job{"Vacuform " + label.job, "sheet " + short_decimal(sheet.width_mm) + " × " +
@@ -237,48 +206,95 @@ Marks lay_out_marks(const Settings& settings, const PrintLabel& label,
   if (margin > 0) job.push_back("frame " + short_decimal(margin) + " mm inside the sheet's edge");
   std::vector<std::string> lines = wrapped({side, "scale 1:1, check with the ruler"}, room);
   for (auto& line : wrapped(job, room)) lines.push_back(std::move(line));
-  Mark legend{.name = "legend", .lines = {}, .circles = {}, .texts = {}};
+  Mark out{.name = "legend", .lines = {}, .circles = {}, .texts = {}};
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const double width = text_width(lines[i], letter_mm);
-    legend.texts.push_back(
+    out.texts.push_back(
         {.at = {-half.x() + 8, -half.y() + 1.2 + 3.2 * static_cast<double>(lines.size() - 1 - i)},
          .size = letter_mm * std::min(1.0, room / width),
          .text = lines[i]});
   }
-  all.push_back(std::move(legend));
-  for (Mark& letter : sides(label.sides, mirrored, half, ruler_mm, lines.size()))
-    all.push_back(std::move(letter));
+  return out;
+}
 
-  std::string left_out;
-  int count_left_out = 0;
-  for (auto& mark : all) {
-    // The frame and the window run around the chart; they touch it only where one of their lines does.
-    std::vector<Eigen::AlignedBox2d> boxes;
-    if (mark.name == "frame" || mark.name == "sheet-edge" ||
-        (mark.name == "window" && mark.circles.empty())) {
-      const auto& corners = mark.lines.front().points;
-      for (std::size_t i = 0; i < 4; ++i) {
-        Eigen::AlignedBox2d side_box(corners[i]);
-        side_box.extend(corners[(i + 1) % 4]);
-        boxes.push_back(side_box);
-      }
-    } else if (mark.name != "window") {
-      boxes.push_back(box_of(mark));
+double ruler_length(const Vector2d& half) {
+  const double room = 2 * half.x() - 16;
+  return room >= 112 ? 100 : room >= 62 ? 50 : 20;
+}
+
+// Every mark but the outline of the mold, wherever the ink lies. `half`: of the frame.
+std::vector<Mark> all_marks(const Settings& settings, bool mirrored, const PrintLabel& label,
+                            const Vector2d& half) {
+  std::vector<Mark> all;
+  all.push_back({.name = settings.print.margin_mm > 0 ? "frame" : "sheet-edge",
+                 .lines = {rectangle(half, false)},
+                 .circles = {},
+                 .texts = {}});
+  Mark window = window_mark(settings.machine);
+  if ((box_of(window).max().array() < half.array()).all()) all.push_back(std::move(window));
+  const Vector2d corner = half - Vector2d(3.5, 3.5);
+  all.push_back(registration("registration-lower-left", -corner, true));
+  all.push_back(registration("registration-lower-right", {corner.x(), -corner.y()}, false));
+  all.push_back(registration("registration-upper-left", {-corner.x(), corner.y()}, false));
+  all.push_back(registration("registration-upper-right", corner, false));
+  const double ruler_mm = ruler_length(half);
+  all.push_back(ruler(ruler_mm, half.y() - 0.8));
+  all.push_back(t_arrow(-half.x() + 2.2));
+  Mark words = legend(settings, mirrored, label, half);
+  std::vector<Mark> letters = sides(label.sides, mirrored, half, ruler_mm, words.texts.size());
+  all.push_back(std::move(words));
+  for (Mark& letter : letters) all.push_back(std::move(letter));
+  return all;
+}
+
+// The frame and the window run around the chart; they touch it only where one of their lines does.
+bool touches(const Mark& mark, const std::vector<Eigen::AlignedBox2d>& taken) {
+  const bool around = mark.name == "frame" || mark.name == "sheet-edge" || mark.name == "window";
+  const double radius = around && !mark.circles.empty() ? mark.circles.front().radius : 0;
+  std::vector<Eigen::AlignedBox2d> boxes;
+  if (!around) boxes.push_back(box_of(mark));
+  if (around && radius == 0) {
+    const auto& corners = mark.lines.front().points;
+    for (std::size_t i = 0; i < 4; ++i) {
+      boxes.emplace_back(corners[i]);
+      boxes.back().extend(corners[(i + 1) % 4]);
     }
-    const double radius = mark.name == "window" && !mark.circles.empty() ? mark.circles.front().radius : 0;
-    const bool touches = std::any_of(taken.begin(), taken.end(), [&](const Eigen::AlignedBox2d& box) {
-      if (radius > 0) {
-        const double far = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).norm();
-        const double near = Vector2d(0, 0).cwiseMax(box.min()).cwiseMin(box.max()).norm();
-        return near <= radius && radius <= far;
-      }
-      return std::any_of(boxes.begin(), boxes.end(), [&](const auto& b) { return b.intersects(box); });
-    });
-    if (!touches) {
-      if (mark.name == "ruler") laid.ruler_mm = ruler_mm;
-      laid.marks.push_back(std::move(mark));
-    } else
-      left_out += (left_out.empty() ? "" : ", ") + mark.name, ++count_left_out;
+  }
+  return std::any_of(taken.begin(), taken.end(), [&](const Eigen::AlignedBox2d& box) {
+    if (radius > 0) {
+      const double far = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).norm();
+      const double near = Vector2d(0, 0).cwiseMax(box.min()).cwiseMin(box.max()).norm();
+      return near <= radius && radius <= far;
+    }
+    return std::any_of(boxes.begin(), boxes.end(), [&](const auto& b) { return b.intersects(box); });
+  });
+}
+
+std::string coordinates(double x, double y) { return decimal(x, 3) + "," + decimal(y, 3); }
+
+}  // namespace
+
+Marks lay_out_marks(const Settings& settings, bool mirrored, const PrintLabel& label,
+                    const std::vector<Eigen::AlignedBox2d>& taken, std::vector<Line> outline) {
+  const double margin = settings.print.margin_mm;
+  const Vector2d half(settings.sheet.width_mm / 2 - margin, settings.sheet.height_mm / 2 - margin);
+  Marks laid;
+  if (half.minCoeff() < 20) {
+    laid.warnings.push_back(
+        {.code = "marks-left-out",
+         .text = "print.margin_mm leaves no room for marks on this sheet; none are printed.",
+         .figure = Warning::Figure{margin, "mm"},
+         .place = "the sheet's edge"});
+    return laid;
+  }
+  std::vector<std::string> left_out;
+  for (Mark& mark : all_marks(settings, mirrored, label, half)) {
+    if (touches(mark, taken)) {
+      left_out.push_back(mark.name);
+      continue;
+    }
+    if (mark.name == "ruler") laid.ruler_mm = ruler_length(half);
+    laid.marks.push_back(std::move(mark));
   }
   Mark mold{.name = "mold-outline", .lines = std::move(outline), .circles = {}, .texts = {}};
   if (!mold.lines.empty()) {
@@ -286,28 +302,29 @@ Marks lay_out_marks(const Settings& settings, const PrintLabel& label,
     if ((box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).array() < half.array()).all())
       laid.marks.push_back(std::move(mold));
     else
-      left_out += (left_out.empty() ? "" : ", ") + mold.name, ++count_left_out;
+      left_out.push_back(mold.name);
   }
-  if (!left_out.empty())
-    laid.warnings.push_back(
-        {.code = "marks-left-out",
-         .text = "The pattern's region reaches the sheet's edge; the marks that would lie "
-                 "on it are not printed: " +
-                 left_out,
-         .figure = Warning::Figure{static_cast<double>(count_left_out), "marks", 0.0},
-         .place = "the sheet's edge"});
+  if (left_out.empty()) return laid;
+  std::string names;
+  for (const std::string& name : left_out) names += (names.empty() ? "" : ", ") + name;
+  laid.warnings.push_back({.code = "marks-left-out",
+                           .text = "The pattern's region reaches the sheet's edge; the marks that would lie "
+                                   "on it are not printed: " +
+                                   names,
+                           .figure = Warning::Figure{static_cast<double>(left_out.size()), "marks", 0.0},
+                           .place = "the sheet's edge"});
   return laid;
 }
 
-std::vector<std::uint8_t> draw_marks(const Marks& marks, int width, int height, double pixel_mm,
-                                     int first_row, int rows) {
+std::vector<std::uint8_t> draw_marks(const Marks& marks, const PrintGrid& grid, int first_row, int rows) {
+  const int width = grid.width;
   const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_A8, width, rows));
   if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) throw std::bad_alloc();
   {
     const Cairo cairo(cairo_create(surface.get()));
-    cairo_translate(cairo.get(), 0.5 * width, 0.5 * height - first_row);
-    cairo_scale(cairo.get(), 1 / pixel_mm, -1 / pixel_mm);
-    cairo_set_line_width(cairo.get(), std::max(line_mm, pixel_mm));
+    cairo_translate(cairo.get(), 0.5 * width, 0.5 * grid.height - first_row);
+    cairo_scale(cairo.get(), 1 / grid.pixel_mm, -1 / grid.pixel_mm);
+    cairo_set_line_width(cairo.get(), std::max(line_mm, grid.pixel_mm));
     for (const auto& mark : marks.marks) draw(cairo.get(), mark);
   }
   cairo_surface_flush(surface.get());

@@ -14,6 +14,7 @@
 
 #include "api/settings.hpp"
 #include "worker/printing/print_label.hpp"
+#include "worker/printing/row_source.hpp"
 #include "worker/stage/context.hpp"
 
 namespace vacuform {
@@ -54,13 +55,11 @@ struct Marks {
 // `outline`: where the plastic leaves the mold, lines in print coordinates clear of the ink: the formed part is cut or
 // checked along it. The arrow makes the operator lay every sheet with its extrusion direction along +t, so that effects
 // of the sheet itself repeat from sheet to sheet.
-Marks lay_out_marks(const Settings& settings, const PrintLabel& label,
-                    const std::vector<Eigen::AlignedBox2d>& taken, std::vector<Line> outline = {});
+Marks lay_out_marks(const Settings& settings, bool mirrored, const PrintLabel& label,
+                    const std::vector<Eigen::AlignedBox2d>& taken, std::vector<Line> outline);
 
-// How much of each pixel the marks cover, 0 to 255, in `rows` rows of `width` pixels of `pixel_mm`; the pixel
-// grid's first row is `first_row` of `height`. The grid is centred on the sheet's centre.
-std::vector<std::uint8_t> draw_marks(const Marks& marks, int width, int height, double pixel_mm,
-                                     int first_row, int rows);
+// How much of each pixel the marks cover, 0 to 255, in `rows` rows of the grid from `first_row` on.
+std::vector<std::uint8_t> draw_marks(const Marks& marks, const PrintGrid& grid, int first_row, int rows);
 
 // The elements inside the layer "marks" of print.svg; y down.
 std::string svg_of(const Marks& marks);

@@ -33,9 +33,7 @@ Ring blurred(const Ring& ring, double deviation) {
   }
   Ring out(ring.size(), Vector2d(0, 0));
   for (int i = 0; i < n; ++i)
-    for (int k = -reach; k <= reach; ++k)
-      out[static_cast<std::size_t>(i)] += weights[static_cast<std::size_t>(k + reach)] / total *
-                                          ring[static_cast<std::size_t>(((i + k) % n + n) % n)];
+    for (int k = -reach; k <= reach; ++k) out[i] += weights[k + reach] / total * ring[((i + k) % n + n) % n];
   return out;
 }
 

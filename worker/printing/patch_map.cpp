@@ -17,7 +17,7 @@ std::vector<Ring> border_in_pattern(const Patch& patch) {
   std::vector<Ring> rings;
   for (const auto& vertices : border_loops(patch.triangles)) {
     rings.emplace_back();
-    for (const int v : vertices) rings.back().push_back(patch.uv[static_cast<std::size_t>(v)]);
+    for (const int v : vertices) rings.back().push_back(patch.uv[v]);
   }
   return rings;
 }

@@ -27,7 +27,7 @@ int PdfWriter::reserve() {
 }
 
 void PdfWriter::object(int number, const std::string& body) {
-  offsets_[static_cast<std::size_t>(number - 1)] = bytes_.size();
+  offsets_[number - 1] = bytes_.size();
   text(std::to_string(number) + " 0 obj\n" + body + "\nendobj\n");
 }
 

@@ -140,9 +140,9 @@ std::string icc_based(PdfWriter& pdf, std::span<const std::uint8_t> icc) {
 
 }  // namespace
 
-std::vector<std::uint8_t> make_pdf(const PrintPage& page, const VectorPrint* vectors,
-                                   const PlacedPicture* picture, std::span<const std::uint8_t> alpha,
-                                   const Marks& marks, const OutputProfile& profile) {
+std::vector<std::uint8_t> make_pdf(const PrintPage& page, const PageContent& shown,
+                                   const OutputProfile& profile) {
+  const std::span<const std::uint8_t> alpha = shown.opacity;
   PdfWriter pdf;
   const double points = 72 / 25.4;
   const Vector2d size = points * page.size_mm;
@@ -153,8 +153,8 @@ std::vector<std::uint8_t> make_pdf(const PrintPage& page, const VectorPrint* vec
   std::string resources;
   content += "/OC /Pattern BDC\nq\n";
   if (page.mirrored) content += "-1 0 0 1 0 0 cm\n";
-  if (vectors) content += content_of(*vectors, opacities);
-  if (picture) {
+  if (shown.vectors) content += content_of(*shown.vectors, opacities);
+  if (const auto& picture = shown.picture) {
     const std::string rgb =
         profile.icc().empty() || alpha.empty() ? std::string("/DeviceRGB") : icc_based(pdf, profile.icc());
     const int mask = alpha.empty() ? 0 : embed(pdf, alpha, rgb, "");
@@ -166,7 +166,7 @@ std::vector<std::uint8_t> make_pdf(const PrintPage& page, const VectorPrint* vec
                " cm\n/Picture Do\n";
   }
   content += "Q\nEMC\n/OC /Marks BDC\nq\n0 g 0 G 0.15 w\n";
-  for (const Mark& mark : marks.marks) content += content_of(mark);
+  for (const Mark& mark : page.marks.marks) content += content_of(mark);
   content += "Q\nEMC\n";
 
   const int pattern_layer = pdf.object("<< /Type /OCG /Name (pattern) >>");

@@ -11,10 +11,8 @@ namespace vacuform {
 
 // One page of the size of the sheet, with two layers that a viewer can switch, "pattern" and "marks". Vectors stay
 // vectors; a picture is embedded losslessly with its own deflated rows. Texts are texts, in Helvetica, which every
-// viewer and press has. `alpha` is a gray PNG of the opacity of the picture, empty if it is opaque; the picture is then
-// RGB, and converted to `profile`. Colours of vectors are sRGB. No dates: the same print gives the same bytes.
-std::vector<std::uint8_t> make_pdf(const PrintPage& page, const VectorPrint* vectors,
-                                   const PlacedPicture* picture, std::span<const std::uint8_t> alpha,
-                                   const Marks& marks, const OutputProfile& profile);
+// viewer and press has. A picture with an opacity is converted to `profile`. Colours of vectors are sRGB. No dates: the same print gives the same bytes.
+std::vector<std::uint8_t> make_pdf(const PrintPage& page, const PageContent& shown,
+                                   const OutputProfile& profile);
 
 }  // namespace vacuform

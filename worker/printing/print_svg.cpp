@@ -81,8 +81,14 @@ std::string image_of(const PlacedPicture& picture) {
 
 }  // namespace
 
-std::string make_svg(const PrintPage& page, const VectorPrint* vectors, const PlacedPicture* picture,
-                     const Marks& marks) {
+PlacedPicture placed_on_page(const PixelBox& box, const PrintGrid& grid, std::span<const std::uint8_t> png) {
+  const double d = grid.pixel_mm;
+  return {(box.left - 0.5 * grid.width) * d, (box.top - 0.5 * grid.height) * d, (box.right - box.left) * d,
+          (box.bottom - box.top) * d, png};
+}
+
+std::string make_svg(const PrintPage& page, const PageContent& content) {
+  const VectorPrint* const vectors = content.vectors;
   const auto layer = [&](const std::string& name) {
     const bool taken = vectors && std::any_of(vectors->elements.begin(), vectors->elements.end(),
                                               [&](const PrintedElement& e) { return e.id == name; });
@@ -104,14 +110,14 @@ std::string make_svg(const PrintPage& page, const VectorPrint* vectors, const Pl
          "mirroring.</desc>\n";
   svg += std::string("  <g id=\"") + layer("pattern") + "\"" +
          (page.mirrored ? " transform=\"scale(-1 1)\"" : "") + ">\n";
-  if (picture) svg += image_of(*picture);
+  if (content.picture) svg += image_of(*content.picture);
   if (vectors)
     for (const PrintedElement& element : vectors->elements)
       if (!element.areas.empty() || !element.centrelines.empty()) svg += group_of(element);
   svg += std::string("  </g>\n  <g id=\"") + layer("marks") +
          "\" fill=\"none\" stroke=\"#000\" stroke-width=\"0.15\">\n"
          "    <style>text { font-family: \"DejaVu Sans\", sans-serif; fill: #000; stroke: none; }</style>\n";
-  svg += svg_of(marks);
+  svg += svg_of(page.marks);
   return svg + "  </g>\n</svg>\n";
 }
 

@@ -11,11 +11,12 @@
 
 namespace vacuform {
 
-// The page of a print, for any file format.
+// The page of a layer, for any file format.
 struct PrintPage {
   Eigen::Vector2d size_mm{0, 0};  // of the sheet
   bool mirrored = false;
   PrintLabel label;  // as printable() gives it
+  const Marks& marks;
 };
 
 // A picture on the page, before any mirroring.
@@ -23,11 +24,18 @@ struct PlacedPicture {
   double left_mm = 0, top_mm = 0, width_mm = 0, height_mm = 0;  // from the sheet's centre, y down
   std::span<const std::uint8_t> png;
 };
+PlacedPicture placed_on_page(const PixelBox& box, const PrintGrid& grid, std::span<const std::uint8_t> png);
+
+// The ink of the page: vectors, or otherwise a picture.
+struct PageContent {
+  const VectorPrint* vectors = nullptr;
+  std::optional<PlacedPicture> picture = {};
+  std::span<const std::uint8_t> opacity = {};  // of a picture of RGB, as a gray PNG; empty: opaque, or RGBA
+};
 
 // Layer "pattern" holds the vectors, each element in a group with its id, or otherwise the picture, under scale(-1 1)
 // if mirrored; layer "marks" holds the marks as vectors and text. If an element has the id of a layer, the layer is
 // called "pattern-layer" or "marks-layer". Coordinates to 1e-4 mm.
-std::string make_svg(const PrintPage& page, const VectorPrint* vectors, const PlacedPicture* picture,
-                     const Marks& marks);
+std::string make_svg(const PrintPage& page, const PageContent& content);
 
 }  // namespace vacuform

@@ -37,7 +37,7 @@ std::vector<std::vector<int>> pieces_by_band(const std::vector<Piece>& pieces, d
     const double top = std::min({c[0].y(), c[1].y(), c[2].y()}) / samples,
                  bottom = std::max({c[0].y(), c[1].y(), c[2].y()}) / samples;
     const int first = pixel_at(top - 1, height - 1) / rows, last = pixel_at(bottom + 1, height - 1) / rows;
-    for (int b = first; b <= last; ++b) bands[static_cast<std::size_t>(b)].push_back(static_cast<int>(i));
+    for (int b = first; b <= last; ++b) bands[b].push_back(static_cast<int>(i));
   }
   return bands;
 }

@@ -17,7 +17,7 @@ struct SideOf {
   const Segment& segment;
   std::size_t row;
   const Vector2d& uv(std::size_t corner) const {
-    return segment.patch.uv[static_cast<std::size_t>(segment.patch.triangles[row][corner])];
+    return segment.patch.uv[segment.patch.triangles[row][corner]];
   }
 };
 
@@ -35,12 +35,11 @@ std::vector<double> seam_gaps(const Placement& placement) {
     for (const Segment& chart : placement.charts) maps.push_back(std::make_unique<PatchMap>(chart.patch));
   std::vector<double> out;
   for (const Seam& seam : placement.seams) {
-    const PatchMap &of_a = *maps[static_cast<std::size_t>(seam.a)],
-                   &of_b = *maps[static_cast<std::size_t>(seam.b)];
+    const PatchMap &of_a = *maps[seam.a], &of_b = *maps[seam.b];
     out.push_back(0);
     for (const SeamEdge& edge : seam.edges) {
-      const SideOf a = side_of(placement.charts[static_cast<std::size_t>(seam.a)], edge.triangle),
-                   b = side_of(placement.charts[static_cast<std::size_t>(seam.b)], edge.beside);
+      const SideOf a = side_of(placement.charts[seam.a], edge.triangle),
+                   b = side_of(placement.charts[seam.b], edge.beside);
       const auto next = [](int e) { return static_cast<std::size_t>((e + 1) % 3); };
       const auto here = [](int e) { return static_cast<std::size_t>(e); };
       // Seen from the other side an edge runs the other way.

@@ -13,38 +13,42 @@ namespace vacuform {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
-std::vector<RasterLayer> layers_of(const Placement& placement) {
+std::vector<RasterPatch> patches_of(const Placement& placement) {
   constexpr int unplaced = -1;
-  std::vector<RasterLayer> layers;
+  std::vector<RasterPatch> patches;
   for (const Segment& chart : placement.charts)
-    layers.push_back({&chart.patch, placement.elements.empty() ? RasterLayer::whole : unplaced, {}});
+    patches.push_back({&chart.patch, placement.elements.empty() ? RasterPatch::whole : unplaced, {}});
   for (const PlacedElement& element : placement.elements)
-    layers.push_back({&element.patch, element.element, {}});
-  return layers;
+    patches.push_back({&element.patch, element.element, {}});
+  return patches;
 }
 
-SheetRaster::SheetRaster(const std::vector<RasterLayer>& layers, const InkParts* parts, const Print& print,
-                         const Pattern& pattern, int dpi)
+int edge_samples(const PrintGrid& grid) {
+  const auto dpi = static_cast<int>(std::lround(25.4 / grid.pixel_mm));
+  return std::clamp((600 + dpi - 1) / dpi, 2, 4);
+}
+
+SheetRaster::SheetRaster(const std::vector<RasterPatch>& patches, const InkParts* parts,
+                         const Pattern& pattern, const PrintGrid& grid, int samples)
     : pattern_(pattern),
       parts_(parts),
-      width_(print.width),
-      height_(print.height),
+      width_(grid.width),
+      height_(grid.height),
       channels_(pattern.grayscale() ? 1 : 4),
-      // Coarse prints need more samples for edges that look as smooth as those of fine prints.
-      samples_(std::clamp((600 + dpi - 1) / dpi, 2, 4)),
-      band_(band_rows_of(print.width)) {
+      samples_(samples),
+      band_(band_rows_of(grid.width)) {
   const double n = samples_;
   Vector2d low(width_, height_), high(0, 0);
-  for (const RasterLayer& layer : layers)
-    for (std::size_t t = 0; t < layer.patch->triangles.size(); ++t) {
-      const Triangle& corners = layer.patch->triangles[t];
+  for (const RasterPatch& each : patches)
+    for (std::size_t t = 0; t < each.patch->triangles.size(); ++t) {
+      const Triangle& corners = each.patch->triangles[t];
       Piece piece;
       std::array<Vector2d, 3> uv;
       for (std::size_t k = 0; k < 3; ++k) {
-        const Vector2d& st = layer.patch->rest[static_cast<std::size_t>(corners[k])];
-        const Vector2d pixel(st.x() / print.pixel_mm + 0.5 * width_, 0.5 * height_ - st.y() / print.pixel_mm);
+        const Vector2d& st = each.patch->rest[corners[k]];
+        const Vector2d pixel(st.x() / grid.pixel_mm + 0.5 * width_, 0.5 * height_ - st.y() / grid.pixel_mm);
         piece.corners[k] = n * pixel;
-        uv[k] = layer.patch->uv[static_cast<std::size_t>(corners[k])];
+        uv[k] = each.patch->uv[corners[k]];
         low = low.cwiseMin(pixel);
         high = high.cwiseMax(pixel);
       }
@@ -59,8 +63,8 @@ SheetRaster::SheetRaster(const std::vector<RasterLayer>& layers, const InkParts*
       // A unit square has the variance of a disk of diameter 2 / sqrt(3); a stretched one is treated as round, with the
       // same mean variance.
       piece.blur = 2 / std::sqrt(3.0) * map.norm() / std::sqrt(2.0);
-      piece.gain = layer.gain.empty() ? 1.0f : static_cast<float>(layer.gain[t]);
-      piece.part = layer.part;
+      piece.gain = each.gain.empty() ? 1.0f : static_cast<float>(each.gain[t]);
+      piece.part = each.part;
       pieces_.push_back(piece);
     }
   box_ = box_between(low, high, width_, height_);
@@ -97,7 +101,7 @@ void SheetRaster::scan(const Piece& piece, int first_row, int last_row, int top,
       const int count = std::min(run, end - x);
       const Vector2d from_here = start + (x + 0.5) * piece.across;
       pattern_.sample_line(from_here, piece.across, count, piece.blur, line);
-      if (piece.part != RasterLayer::whole)
+      if (piece.part != RasterPatch::whole)
         for (int k = 0; k < count; ++k)
           if (!parts_->holds(piece.part, from_here + k * piece.across))
             std::fill_n(line + k * channels_, channels_, 0.0f);
@@ -116,14 +120,14 @@ std::vector<std::uint8_t> SheetRaster::rows(int top, int bottom) const {
   const std::size_t columns = static_cast<std::size_t>(width_), n = static_cast<std::size_t>(channels_);
   std::vector<std::uint8_t> pixels(columns * static_cast<std::size_t>(bottom - top) * n,
                                    channels_ == 1 ? 255 : 0);
-  const auto& pieces = of_band_[static_cast<std::size_t>(top / band_)];
+  const auto& pieces = of_band_[top / band_];
   if (pieces.empty()) return pixels;
   const int box_width = box_.right - box_.left;
   std::vector<float> sums(static_cast<std::size_t>(box_width) * static_cast<std::size_t>(bottom - top) * n,
                           0.0f);
   const float scale = 1.0f / static_cast<float>(samples_ * samples_);
   in_parallel(top, bottom, [&](int first, int last) {
-    for (const int i : pieces) scan(pieces_[static_cast<std::size_t>(i)], first, last, top, sums);
+    for (const int i : pieces) scan(pieces_[i], first, last, top, sums);
     for (int y = first; y < last; ++y) {
       const float* sum = sums.data() + static_cast<std::ptrdiff_t>(y - top) * box_width * channels_;
       std::uint8_t* out =

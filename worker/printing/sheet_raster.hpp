@@ -5,13 +5,14 @@
 #include <vector>
 
 #include "worker/pattern/ink_parts.hpp"
-#include "worker/printing/print.hpp"
+#include "worker/pattern/pattern.hpp"
+#include "worker/placement/placement.hpp"
 #include "worker/printing/row_source.hpp"
 
 namespace vacuform {
 
 // A patch through which the drawing is sampled.
-struct RasterLayer {
+struct RasterPatch {
   static constexpr int whole = -2;
   const Patch* patch;
   int part = whole;  // of InkParts: only its ink is seen; -1: only ink of no part
@@ -21,17 +22,21 @@ struct RasterLayer {
 
 // The patches that a picture is sampled through: those of its parts, and the charts for ink in no part. They point into
 // the placement.
-std::vector<RasterLayer> layers_of(const Placement& placement);
+std::vector<RasterPatch> patches_of(const Placement& placement);
+
+// Samples along a side of a pixel. Coarse grids need more for edges that look as smooth as those of fine ones.
+int edge_samples(const PrintGrid& grid);
 
 // Keeps references to its inputs. Pixels are those of the print before any mirroring; the box encloses all patches.
 class SheetRaster : public RowSource {
  public:
-  // Only the size and the pixel of `print` are used. `parts` may be null if every layer shows the whole.
-  SheetRaster(const std::vector<RasterLayer>& layers, const InkParts* parts, const Print& print,
-              const Pattern& pattern, int dpi);
+  // `parts` may be null if every patch shows the whole. `samples` along a side of a pixel: see edge_samples().
+  SheetRaster(const std::vector<RasterPatch>& patches, const InkParts* parts, const Pattern& pattern,
+              const PrintGrid& grid, int samples);
 
   PixelBox box() const override { return box_; }
   int band_rows() const override { return band_; }
+  int channels() const override { return channels_; }
   std::vector<std::uint8_t> rows(int top, int bottom) const override;
 
  private:

@@ -129,15 +129,21 @@ void pull_back_line(const std::vector<CurvePoint>& line, bool closed, const Map&
       out.push_back({std::move(curve), width_mm});
 }
 
-// The first point is repeated as the last.
-std::vector<CurvePoint> closed_points(const Ring& ring) {
-  std::vector<CurvePoint> line;
-  const std::size_t n = ring.size();
-  for (std::size_t i = 0; i <= n; ++i) {
-    const Vector2d &before = ring[(i + n - 1) % n], &at = ring[i % n], &after = ring[(i + 1) % n];
-    line.push_back({at, at - before, after - at, 0});
+// A closed line with points at most `sample_mm` apart; the first is repeated as the last.
+std::vector<CurvePoint> closed_points(const std::vector<Vector2d>& line) {
+  std::vector<Vector2d> dense;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const Vector2d &a = line[i], &b = line[(i + 1) % line.size()];
+    const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / sample_mm)));
+    for (int k = 0; k < pieces; ++k) dense.push_back(a + (b - a) * k / pieces);
   }
-  return line;
+  std::vector<CurvePoint> out;
+  const std::size_t n = dense.size();
+  for (std::size_t i = 0; i <= n; ++i) {
+    const Vector2d &before = dense[(i + n - 1) % n], &at = dense[i % n], &after = dense[(i + 1) % n];
+    out.push_back({at, (at - before).normalized(), (after - at).normalized(), 0});
+  }
+  return out;
 }
 
 // One shape to be pulled back, and the result.
@@ -167,6 +173,21 @@ class PullBack {
 
   bool elements_placed() const { return elements_placed_; }
 
+  // The loop of a coil on the sheet; nothing where the border of its patch or of the page cuts it.
+  std::optional<Centreline> loop(std::size_t element) const {
+    const Element& of = drawing_.elements[element];
+    if (!of.loop || of.id.empty()) return std::nullopt;
+    const auto placed = placed_.find(element);
+    std::vector<Centreline> found;
+    for (const Domain& domain : domains_of(element))
+      pull_back_line(
+          closed_points(of.loop->line), true, domain.rest_at, drawing_.size_mm,
+          of.loop->width_mm * (placed != placed_.end() && of.loop->filled ? placed->second.size : scale_),
+          found);
+    if (found.size() != 1 || !found.front().curve.closed) return std::nullopt;
+    return std::move(found.front());
+  }
+
   // What the elements paint in the pattern, for lines that are tied to them.
   void look_for_ties() {
     for (const auto& [index, placed] : placed_) {
@@ -189,20 +210,11 @@ class PullBack {
     const Shape& shape = *pulled.shape;
     const std::string& id = drawing_.elements[pulled.element].id;
     const auto placed = placed_.find(pulled.element);
-    const bool own = !id.empty() && placed != placed_.end();
-    const bool nowhere = !id.empty() && elements_placed_ && !own;
-    const std::vector<Domain> elements_own =
-        own ? std::vector{domain_of(*placed->second.map)} : std::vector<Domain>();
-    const std::vector<Domain>& domains = own || nowhere ? elements_own : charts_;
+    const bool own = placed != placed_.end();
+    const std::vector<Domain> domains = domains_of(pulled.element);
     if (shape.fill) {
       const Area area = fill_area(shape.curves, shape.even_odd, polygon_tolerance);
       paint(area, *shape.fill, domains, pulled);
-      const auto ring =
-          shape.stroke || id.empty() || !(ink(*shape.fill) > 0) ? std::nullopt : filled_ring(area);
-      if (ring)
-        for (const Domain& domain : domains)
-          pull_back_line(closed_points(ring->line), true, domain.rest_at, drawing_.size_mm,
-                         ring->width_mm * (own ? placed->second.size : scale_), pulled.centrelines);
     }
     if (!shape.stroke) return;
     Stroke stroke = *shape.stroke;
@@ -235,6 +247,13 @@ class PullBack {
     stroke.width_mm *= factor;
     stroke.dash_offset_mm *= factor;
     for (double& d : stroke.dashes_mm) d *= factor;
+  }
+
+  // Where an element lies: on its patch, nowhere if it is not placed, or with all others on the charts.
+  std::vector<Domain> domains_of(std::size_t element) const {
+    if (const auto placed = placed_.find(element); placed != placed_.end())
+      return {domain_of(*placed->second.map)};
+    return drawing_.elements[element].id.empty() || !elements_placed_ ? charts_ : std::vector<Domain>();
   }
 
   static Domain domain_of(const PatchMap& map) {
@@ -318,7 +337,7 @@ Result<VectorPrint> pull_back(const Drawing& drawing, const Placement& placement
   bool loose = false;
   for (std::size_t e = 0; e < drawing.elements.size(); ++e) {
     const Element& element = drawing.elements[e];
-    out.elements.push_back({element.id, {}, {}});
+    out.elements.push_back({element.id, {}, {}, {}});
     for (const Shape& shape : element.shapes) {
       all.push_back({&shape, e, {}, {}, 0, 0});
       loose |= element.id.empty() && shape.stroke;
@@ -329,20 +348,29 @@ Result<VectorPrint> pull_back(const Drawing& drawing, const Placement& placement
   constexpr std::size_t batch = 16;
   for (std::size_t first = 0; first < all.size(); first += batch) {
     VACUFORM_CHECK(
-        context.step(Stage::printing, 0.2 * static_cast<double>(first) / static_cast<double>(all.size())));
+        context.step(Stage::printing, static_cast<double>(first) / static_cast<double>(all.size())));
     in_parallel(static_cast<int>(first), static_cast<int>(std::min(first + batch, all.size())),
                 [&](int begin, int end) {
-                  for (int i = begin; i < end && !context.cancelled(); ++i)
-                    pulling.run(all[static_cast<std::size_t>(i)]);
+                  for (int i = begin; i < end && !context.cancelled(); ++i) pulling.run(all[i]);
                 });
   }
-  VACUFORM_CHECK(context.step(Stage::printing, 0.2));
+  VACUFORM_CHECK(context.step(Stage::printing, 1));
   for (PulledShape& pulled : all) {
     PrintedElement& element = out.elements[pulled.element];
     for (PaintedArea& area : pulled.areas) element.areas.push_back(std::move(area));
     for (Centreline& line : pulled.centrelines) element.centrelines.push_back(std::move(line));
     out.painted_mm2 += pulled.painted;
     out.lost_mm2 += pulled.lost;
+  }
+  std::vector<std::optional<Centreline>> loops(drawing.elements.size());
+  in_parallel(0, static_cast<int>(loops.size()), [&](int begin, int end) {
+    for (int e = begin; e < end && !context.cancelled(); ++e) loops[index(e)] = pulling.loop(index(e));
+  });
+  VACUFORM_CHECK(context.step(Stage::printing, 1));
+  for (std::size_t e = 0; e < loops.size(); ++e) {
+    if (!loops[e]) continue;
+    if (drawing.elements[e].loop->filled) out.elements[e].centrelines.push_back(*loops[e]);
+    out.elements[e].loop = std::move(loops[e]->curve);
   }
   return out;
 }

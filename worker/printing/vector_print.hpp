@@ -2,6 +2,7 @@
 // is a vector drawing.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@ struct PaintedArea {
   Colour colour;
 };
 
-// The middle of a stroke, or of a ring that an element fills (worker/pattern/drawn_loop.hpp). Unpainted: for plotters,
+// The middle of a stroke, or of the loop that a coil fills. Unpainted: for plotters,
 // dispensers and measuring.
 struct Centreline {
   Curve curve;          // sheet coordinates, mm
@@ -27,6 +28,8 @@ struct PrintedElement {
   std::string id;                  // of the pattern; empty: in no element
   std::vector<PaintedArea> areas;  // in the order of painting
   std::vector<Centreline> centrelines;
+  std::optional<Curve>
+      loop;  // of a coil, closed across its gaps; nothing if the print does not contain all of it
 };
 
 struct VectorPrint {

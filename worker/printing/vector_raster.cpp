@@ -8,11 +8,13 @@
 #include <memory>
 #include <new>
 
+#include "worker/printing/raster_bands.hpp"
+
 namespace vacuform {
 
 namespace {
 
-struct Release {
+struct ReleaseCairo {
   void operator()(cairo_surface_t* s) const { cairo_surface_destroy(s); }
   void operator()(cairo_t* c) const { cairo_destroy(c); }
 };
@@ -42,11 +44,11 @@ void straight(const unsigned char* in, std::uint8_t* out) {
 
 }  // namespace
 
-VectorRaster::VectorRaster(const VectorPrint& print, int width, int height, double pixel_mm, bool grayscale)
-    : width_(width),
-      height_(height),
-      band_(std::clamp(1'000'000 / width, 16, 256)),
-      pixel_mm_(pixel_mm),
+VectorRaster::VectorRaster(const VectorPrint& print, const PrintGrid& grid, bool grayscale)
+    : width_(grid.width),
+      height_(grid.height),
+      band_(band_rows_of(grid.width)),
+      pixel_mm_(grid.pixel_mm),
       grayscale_(grayscale) {
   for (const PrintedElement& element : print.elements)
     for (const PaintedArea& area : element.areas) {
@@ -79,18 +81,18 @@ PixelBox VectorRaster::box() const {
 
 std::vector<std::uint8_t> VectorRaster::rows(int top, int bottom) const {
   const int count = bottom - top;
-  const std::size_t channels = grayscale_ ? 1 : 4;
-  std::vector<std::uint8_t> out(static_cast<std::size_t>(width_) * static_cast<std::size_t>(count) * channels,
+  const std::size_t each = grayscale_ ? 1 : 4;
+  std::vector<std::uint8_t> out(static_cast<std::size_t>(width_) * static_cast<std::size_t>(count) * each,
                                 grayscale_ ? std::uint8_t{255} : std::uint8_t{0});
   const double high = (0.5 * height_ - top + 1) * pixel_mm_, low = (0.5 * height_ - bottom - 1) * pixel_mm_;
   const auto touches = [&](const Painted& p) { return p.low <= high && p.high >= low; };
   if (std::none_of(areas_.begin(), areas_.end(), touches)) return out;
 
-  const std::unique_ptr<cairo_surface_t, Release> surface(
+  const std::unique_ptr<cairo_surface_t, ReleaseCairo> surface(
       cairo_image_surface_create(grayscale_ ? CAIRO_FORMAT_RGB24 : CAIRO_FORMAT_ARGB32, width_, count));
   if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) throw std::bad_alloc();
   {
-    const std::unique_ptr<cairo_t, Release> held(cairo_create(surface.get()));
+    const std::unique_ptr<cairo_t, ReleaseCairo> held(cairo_create(surface.get()));
     cairo_t* cairo = held.get();
     if (grayscale_) {
       cairo_set_source_rgb(cairo, 1, 1, 1);
@@ -116,7 +118,7 @@ std::vector<std::uint8_t> VectorRaster::rows(int top, int bottom) const {
   std::uint8_t* pixel = out.data();
   for (int y = 0; y < count; ++y) {
     const unsigned char* row = data + static_cast<std::ptrdiff_t>(y) * stride;
-    for (int x = 0; x < width_; ++x, row += 4, pixel += channels) {
+    for (int x = 0; x < width_; ++x, row += 4, pixel += each) {
       if (grayscale_)
         pixel[0] = row[1];
       else

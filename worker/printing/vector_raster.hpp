@@ -13,10 +13,11 @@ namespace vacuform {
 // Keeps a reference to the print.
 class VectorRaster : public RowSource {
  public:
-  VectorRaster(const VectorPrint& print, int width, int height, double pixel_mm, bool grayscale);
+  VectorRaster(const VectorPrint& print, const PrintGrid& grid, bool grayscale);
 
   PixelBox box() const override;
   int band_rows() const override { return band_; }
+  int channels() const override { return grayscale_ ? 1 : 4; }
   std::vector<std::uint8_t> rows(int top, int bottom) const override;
 
  private:

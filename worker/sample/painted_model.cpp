@@ -79,15 +79,15 @@ class Penguin : public Relief {
   Penguin() {
     constexpr int width = 8;
     std::array<double, sectors> outline{};
-    for (int k = 0; k < sectors; ++k) outline[static_cast<std::size_t>(k)] = far_end(k * degree);
+    for (int k = 0; k < sectors; ++k) outline[k] = far_end(k * degree);
     for (int k = 0; k < sectors; ++k) {
       double sum = 0, weights = 0;
       for (int d = -3 * width; d <= 3 * width; ++d) {
         const double weight = bell(d, width);
-        sum += weight * outline[static_cast<std::size_t>((k + d + sectors) % sectors)];
+        sum += weight * outline[(k + d + sectors) % sectors];
         weights += weight;
       }
-      reach_[static_cast<std::size_t>(k)] = sum / weights;
+      reach_[k] = sum / weights;
     }
   }
   double reach(double angle) const override {

@@ -29,7 +29,7 @@ constexpr double texture_half = outer_half + 1;
 constexpr int texture_side = 2048;
 constexpr double window_for_1 = 280, circle_for_1 = 340, largest_size = 1.5, least_patch = 6;
 
-double height_of(int step) { return heights[static_cast<std::size_t>(step)]; }
+double height_of(int step) { return heights[step]; }
 
 // A square with round corners around the origin, counter-clockwise.
 std::vector<Vector2d> outline_of_step(double half) {
@@ -176,7 +176,7 @@ std::optional<SteppedMold> stepped_mold(const MachineSettings& machine) {
       std::array<int, 3> rgb{255, 255, 255};
       if (ink < 3) {
         const int byte = byte_of(1 - static_cast<double>(level) / coverages);
-        rgb[static_cast<std::size_t>(ink)] = byte;
+        rgb[ink] = byte;
         each.ink = ink;
         each.coverage = 1 - light_of(byte);
       }

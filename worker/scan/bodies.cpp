@@ -59,7 +59,7 @@ bool is_rounded(const TriangleMesh& body) {
   double total = 0;
   const auto centre_of = [&](const Triangle& t) -> Eigen::Vector3d {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const int v : t) sum += body.vertices[static_cast<std::size_t>(v)];
+    for (const int v : t) sum += body.vertices[v];
     return sum / 3;
   };
   for (const Triangle& t : body.triangles) {

@@ -25,7 +25,7 @@ std::size_t drop_broken(TriangleMesh& mesh) {
          next < uses.size() && uses[next].low == uses[i].low && uses[next].high == uses[i].high;)
       ++next;
     if (next - i > 2 || (next - i == 2 && uses[i].forward == uses[i + 1].forward))
-      for (std::size_t k = i; k < next; ++k) drop[static_cast<std::size_t>(uses[k].triangle)] = 1;
+      for (std::size_t k = i; k < next; ++k) drop[uses[k].triangle] = 1;
   }
   std::size_t kept = 0;
   for (std::size_t i = 0; i < drop.size(); ++i)
@@ -46,12 +46,11 @@ std::vector<Opening> openings(const TriangleMesh& mesh) {
   std::vector<Opening> found;
   for (auto& loop : border_loops(mesh)) {
     Opening opening;
-    Eigen::Vector3d low = mesh.vertices[static_cast<std::size_t>(loop.front())], high = low,
-                    sum = Eigen::Vector3d::Zero();
+    Eigen::Vector3d low = mesh.vertices[loop.front()], high = low, sum = Eigen::Vector3d::Zero();
     const Eigen::Vector3d first = low;
     for (std::size_t i = 0; i < loop.size(); ++i) {
-      const auto& p = mesh.vertices[static_cast<std::size_t>(loop[i])];
-      const auto& q = mesh.vertices[static_cast<std::size_t>(loop[(i + 1) % loop.size()])];
+      const auto& p = mesh.vertices[loop[i]];
+      const auto& q = mesh.vertices[loop[(i + 1) % loop.size()]];
       low = low.cwiseMin(p), high = high.cwiseMax(p);
       sum += (p - first).cross(q - first) / 2;
     }
@@ -69,7 +68,7 @@ bool wall_in(TriangleMesh& mesh, const std::vector<int>& loop, double bottom) {
   const int n = static_cast<int>(loop.size());
   std::vector<int> foot;
   for (int i = 0; i < n; ++i) {
-    Eigen::Vector3d p = mesh.vertices[static_cast<std::size_t>(loop[static_cast<std::size_t>(i)])];
+    Eigen::Vector3d p = mesh.vertices[loop[static_cast<std::size_t>(i)]];
     p.z() = bottom;
     mesh.vertices.push_back(p);
     foot.push_back(first + i);
@@ -81,7 +80,7 @@ bool wall_in(TriangleMesh& mesh, const std::vector<int>& loop, double bottom) {
   }
   for (int i = 0; i < n; ++i) {
     const int j = (i + 1) % n;
-    const int a = loop[static_cast<std::size_t>(i)], b = loop[static_cast<std::size_t>(j)];
+    const int a = loop[i], b = loop[j];
     mesh.triangles.push_back({a, b, first + j});
     mesh.triangles.push_back({a, first + j, first + i});
   }
@@ -95,7 +94,7 @@ void fill_with_fan(TriangleMesh& mesh, const std::vector<int>& loop) {
     return;
   }
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (const int v : loop) middle += mesh.vertices[static_cast<std::size_t>(v)];
+  for (const int v : loop) middle += mesh.vertices[v];
   const int hub = static_cast<int>(mesh.vertices.size());
   mesh.vertices.push_back(middle / static_cast<double>(loop.size()));
   for (std::size_t i = 0; i < loop.size(); ++i)
@@ -112,15 +111,14 @@ bool in_patches(const TriangleMesh& mesh) {
   std::vector<int> piece_of_vertex(mesh.vertices.size(), 0);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     for (const int v : mesh.triangles[i]) {
-      auto& box = boxes[static_cast<std::size_t>(piece_of[i])];
-      const auto& p = mesh.vertices[static_cast<std::size_t>(v)];
+      auto& box = boxes[piece_of[i]];
+      const auto& p = mesh.vertices[v];
       box.low = box.low.cwiseMin(p), box.high = box.high.cwiseMax(p);
-      piece_of_vertex[static_cast<std::size_t>(v)] = piece_of[i];
+      piece_of_vertex[v] = piece_of[i];
     }
   std::vector<char> open(static_cast<std::size_t>(count), 0);
   for (const auto& opening : openings(mesh)) {
-    const auto piece =
-        static_cast<std::size_t>(piece_of_vertex[static_cast<std::size_t>(opening.loop.front())]);
+    const auto piece = static_cast<std::size_t>(piece_of_vertex[opening.loop.front()]);
     if (opening.across > large_share * boxes[piece].size().norm()) open[piece] = 1;
   }
   return std::count(open.begin(), open.end(), 1) >= 2;

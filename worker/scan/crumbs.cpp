@@ -40,8 +40,8 @@ int drop_crumbs(TriangleMesh& cut) {
   const Eigen::Vector3d centre = bounds(cut).centre();
   std::vector<double> volume(pieces, 0);
   for (std::size_t i = 0; i < cut.triangles.size(); ++i) {
-    const Eigen::Vector3d a = cut.vertices[static_cast<std::size_t>(cut.triangles[i][0])] - centre;
-    volume[static_cast<std::size_t>(piece_of[i])] += a.dot(area_vector(cut, cut.triangles[i])) / 3;
+    const Eigen::Vector3d a = cut.vertices[cut.triangles[i][0]] - centre;
+    volume[piece_of[i]] += a.dot(area_vector(cut, cut.triangles[i])) / 3;
   }
   for (double& v : volume) v = std::abs(v);
   const double least = crumb_share * *std::max_element(volume.begin(), volume.end());
@@ -56,9 +56,8 @@ int drop_crumbs(TriangleMesh& cut) {
     if (!keep[n]) slot[n] = static_cast<int>(number.size()), number.push_back(n);
   corners.resize(number.size());
   for (std::size_t i = 0; i < cut.triangles.size(); ++i)
-    if (const int k = slot[static_cast<std::size_t>(piece_of[i])]; k >= 0)
-      corners[static_cast<std::size_t>(k)].insert(corners[static_cast<std::size_t>(k)].end(),
-                                                  cut.triangles[i].begin(), cut.triangles[i].end());
+    if (const int k = slot[piece_of[i]]; k >= 0)
+      corners[k].insert(corners[k].end(), cut.triangles[i].begin(), cut.triangles[i].end());
   const double height = bounds(cut).size().z() + 1;
   for (int round = 0; round < most_rounds; ++round) {
     const TriangleMesh others = take_pieces(cut, piece_of, keep);
@@ -66,8 +65,8 @@ int drop_crumbs(TriangleMesh& cut) {
     bool more = false;
     for (std::size_t k = 0; k < number.size(); ++k) {
       if (keep[number[k]]) continue;
-      keep[number[k]] = std::any_of(corners[k].begin(), corners[k].end(),
-                                    [&](int v) { return inside(cut.vertices[static_cast<std::size_t>(v)]); });
+      keep[number[k]] =
+          std::any_of(corners[k].begin(), corners[k].end(), [&](int v) { return inside(cut.vertices[v]); });
       more = more || keep[number[k]];
     }
     if (!more) break;

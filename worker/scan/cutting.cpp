@@ -16,7 +16,7 @@ std::optional<TriangleMesh> cut_above(const TriangleMesh& mesh, double height) {
   if (whole) return mesh;
   for (auto& p : cut.vertices)
     if (std::abs(p.z() - height) < nearest) p.z() = height + nearest;
-  const auto above = [&](int v) { return cut.vertices[static_cast<std::size_t>(v)].z() > height; };
+  const auto above = [&](int v) { return cut.vertices[v].z() > height; };
 
   // One new vertex for each edge that crosses the plane.
   std::vector<std::pair<int, int>> crossing;
@@ -30,8 +30,7 @@ std::optional<TriangleMesh> cut_above(const TriangleMesh& mesh, double height) {
   const std::size_t old_count = cut.vertices.size();
   cut.vertices.reserve(old_count + crossing.size());
   for (const auto& [a, b] : crossing) {
-    const Eigen::Vector3d p = cut.vertices[static_cast<std::size_t>(a)],
-                          q = cut.vertices[static_cast<std::size_t>(b)];
+    const Eigen::Vector3d p = cut.vertices[a], q = cut.vertices[b];
     Eigen::Vector3d x = p + (q - p) * ((height - p.z()) / (q.z() - p.z()));
     x.z() = height;
     cut.vertices.push_back(x);
@@ -66,10 +65,10 @@ std::optional<TriangleMesh> cut_above(const TriangleMesh& mesh, double height) {
   const int pieces = connected_pieces(cut, piece_of);
   std::vector<int> piece_of_vertex(cut.vertices.size(), 0);
   for (std::size_t i = 0; i < cut.triangles.size(); ++i)
-    for (const int v : cut.triangles[i]) piece_of_vertex[static_cast<std::size_t>(v)] = piece_of[i];
+    for (const int v : cut.triangles[i]) piece_of_vertex[v] = piece_of[i];
   std::vector<std::vector<std::vector<int>>> loops(static_cast<std::size_t>(pieces));
   for (auto& loop : border_loops(cut)) {
-    auto& of_piece = loops[static_cast<std::size_t>(piece_of_vertex[static_cast<std::size_t>(loop.front())])];
+    auto& of_piece = loops[piece_of_vertex[static_cast<std::size_t>(loop.front())]];
     of_piece.push_back(std::move(loop));
   }
   for (const auto& of_piece : loops) {

@@ -29,6 +29,8 @@ Json scan_json(const ScanFindings& f) {
           {"front", name(f.front)},
           {"front_from_format", f.front_from_format},
           {"front_assumed", f.front_assumed},
+          {"space", f.space == PatientSpace::unknown ? Json(nullptr) : Json(name(f.space))},
+          {"left_from_file", f.left_from_file ? Json(name(*f.left_from_file)) : Json(nullptr)},
           {"mirrored", f.mirrored},
           {"left_side", name(f.left_side)},
           {"outliers_dropped", f.outliers_dropped},

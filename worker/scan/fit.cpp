@@ -16,6 +16,7 @@
 #include "worker/scan/cutting.hpp"
 #include "worker/scan/mold.hpp"
 #include "worker/scan/placing.hpp"
+#include "worker/scan/scan_size.hpp"
 #include "worker/scan/topology.hpp"
 
 namespace vacuform {
@@ -261,11 +262,33 @@ std::optional<Error> misfit(const Mold& mold, const SheetSettings& sheet, const 
                     "give a window and a sheet of at least " + mm_up(needed[k]), larger_window(), otherwise);
 }
 
+// Other units than the guessed one that would make the mold fit: a small scan may have been taken for a large one.
+std::vector<Proposal> unit_proposals(const Mold& mold, const SheetSettings& sheet,
+                                     const MachineSettings& machine) {
+  std::vector<Proposal> fitting;
+  for (const Warning& warning : mold.warnings) {
+    if (warning.code != "units-guessed") continue;
+    for (const Proposal& proposal : warning.proposals)
+      for (const Unit unit : {Unit::mm, Unit::cm, Unit::m, Unit::in, Unit::um, Unit::ft}) {
+        if (proposal.set.size() != 1 || proposal.set.front().word != name(unit)) continue;
+        Mold scaled;
+        scaled.mesh = mold.mesh;
+        for (auto& p : scaled.mesh.vertices) p *= millimetres(unit) / millimetres(mold.findings.unit);
+        if (fits(scaled, sheet, machine)) fitting.push_back(proposal);
+      }
+  }
+  return fitting;
+}
+
 }  // namespace
 
 Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const MachineSettings& machine) {
-  if (auto error = misfit(mold, sheet, machine, Propose::yes)) return tl::make_unexpected(std::move(*error));
-  return {};
+  auto error = misfit(mold, sheet, machine, Propose::yes);
+  if (!error) return {};
+  const std::vector<Proposal> units = unit_proposals(mold, sheet, machine);
+  if (!units.empty()) error->fix = advice_with("check the unit, which was guessed", units, error->fix);
+  error->proposals.insert(error->proposals.begin(), units.begin(), units.end());
+  return tl::make_unexpected(std::move(*error));
 }
 
 std::vector<Warning> fit_findings(const Mold& mold, const SheetSettings& sheet,

@@ -27,7 +27,7 @@ std::optional<std::vector<Triangle>> flat_cap(const std::vector<Eigen::Vector3d>
     for (const auto& loop : loops) {
       std::vector<Triangulation::Vertex_handle> handles;
       for (const int v : loop) {
-        const auto& p = vertices[static_cast<std::size_t>(v)];
+        const auto& p = vertices[v];
         const auto before = triangulation.number_of_vertices();
         handles.push_back(triangulation.insert({p.x(), p.y()}));
         if (triangulation.number_of_vertices() == before) return std::nullopt;  // two vertices at one place

@@ -1,5 +1,6 @@
 #include "worker/scan/glb_colours.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -100,6 +101,36 @@ Result<void> GlbColours::lay_texture(const json& info, ScanMaterial& material, L
   return {};
 }
 
+void GlbColours::note(std::string text) {
+  if (std::find(notes_.begin(), notes_.end(), text) == notes_.end()) notes_.push_back(std::move(text));
+}
+
+Result<void> GlbColours::lay_emission(const json& given, bool black, ScanMaterial& material, Laid& laid) {
+  Eigen::Vector3f light = Eigen::Vector3f::Zero();
+  float strength = 1;
+  if (const json* extensions = child(given, "extensions"))
+    if (const json* stronger = child(*extensions, "KHR_materials_emissive_strength"))
+      if (const auto it = stronger->find("emissiveStrength"); it != stronger->end()) {
+        if (!it->is_number() || !std::isfinite(strength = it->get<float>()))
+          return corrupt("a colour of the GLB file's materials is not of the documented form", file_.where);
+      }
+  if (!numbers(given, "emissiveFactor", 3, light.data()))
+    return corrupt("a colour of the GLB file's materials is not of the documented form", file_.where);
+  if (!(light.maxCoeff() > 0 && strength > 0)) return {};
+  if (!black) {
+    note(
+        "Light that a material of the GLB file gives off (emissive) is ignored, because its base colour is "
+        "not black");
+    return {};
+  }
+  note("The base colour of a material of the GLB file is black, and its emissive colour is used");
+  laid = {};
+  material = {};
+  material.factor = strength * light;
+  if (const json* info = child(given, "emissiveTexture")) return lay_texture(*info, material, laid);
+  return {};
+}
+
 Result<GlbColours::Laid> GlbColours::laid_material(std::optional<std::uint64_t> index) {
   if (!index) {
     if (!plain_) {
@@ -118,11 +149,15 @@ Result<GlbColours::Laid> GlbColours::laid_material(std::optional<std::uint64_t> 
       model = older, factor = "diffuseFactor", texture = "diffuseTexture";
   ScanMaterial material;
   Laid laid;
+  bool black = false;
   if (model) {
     if (!numbers(*model, factor, 3, material.factor.data()))
       return corrupt("a colour of the GLB file's materials is not of the documented form", file_.where);
-    if (const json* info = child(*model, texture)) VACUFORM_CHECK(lay_texture(*info, material, laid));
+    black = material.factor.maxCoeff() <= 0;
+    const json* info = child(*model, texture);
+    if (info && !black) VACUFORM_CHECK(lay_texture(*info, material, laid));
   }
+  VACUFORM_CHECK(lay_emission(*given, black, material, laid));
   material.factor = material.factor.cwiseMax(0).cwiseMin(1);
   laid.material = static_cast<int>(colours_.materials.size());
   colours_.materials.push_back(material);
@@ -177,7 +212,7 @@ Result<void> GlbColours::add(const GlbPrimitive& part, const json& primitive, co
     return corrupt("a primitive of the GLB file names no valid material", file_.where);
   VACUFORM_TRY(laid, laid_material(whole(primitive, "material")));
   colours_.material.resize(mesh.triangles.size(), laid.material);
-  if (colours_.materials[static_cast<std::size_t>(laid.material)].image >= 0)
+  if (colours_.materials[laid.material].image >= 0)
     VACUFORM_CHECK(add_uv(part, laid, mesh, first_vertex, first_triangle));
   if (part.has("COLOR_0")) VACUFORM_CHECK(add_vertex_colours(part, first_vertex, mesh.vertices.size()));
   if (!colours_.uv.empty()) colours_.uv.resize(mesh.triangles.size());

@@ -2,7 +2,7 @@
 //
 // Supports materials with pbrMetallicRoughness, or KHR_materials_pbrSpecularGlossiness of older files, any set of
 // texture coordinates, KHR_texture_transform, the wrapping of the sampler, and COLOR_0 (linear light, as in glTF).
-// Images must be PNG or JPEG inside the file; KTX2 and WebP are rejected by name.
+// Where the base colour is black, the emissive texture and factor are the colour: programs write unlit scans so. Images must be PNG or JPEG inside the file; KTX2 and WebP are rejected by name.
 #pragma once
 
 #include <map>
@@ -22,6 +22,8 @@ class GlbColours {
                    std::size_t first_vertex, std::size_t first_triangle);
   // The colours of all primitives; nothing if no triangle has a texture, a factor other than white, or a vertex colour.
   std::optional<ScanColours> take();
+  // What was done with light that materials give off. Sentences without their ends.
+  const std::vector<std::string>& notes() const { return notes_; }
 
  private:
   // A material, and the map from given texture coordinates to those of its image: uv = linear * given + shift.
@@ -31,6 +33,8 @@ class GlbColours {
     Eigen::Matrix2f linear = Eigen::Matrix2f::Identity();
     Eigen::Vector2f shift = Eigen::Vector2f::Zero();
   };
+  Result<void> lay_emission(const nlohmann::json& given, bool black, ScanMaterial& material, Laid& laid);
+  void note(std::string text);
   Result<Laid> laid_material(std::optional<std::uint64_t> index);
   Result<void> lay_texture(const nlohmann::json& texture_info, ScanMaterial& material, Laid& laid);
   Result<int> image(std::uint64_t index);
@@ -42,6 +46,7 @@ class GlbColours {
   ScanColours colours_;
   std::map<std::uint64_t, Laid> materials_;  // by the index in the file
   std::map<std::uint64_t, int> images_;
+  std::vector<std::string> notes_;
   std::uint64_t image_bytes_ = 0;
   std::optional<Laid> plain_;  // of primitives without a material
 };

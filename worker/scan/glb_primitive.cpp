@@ -113,7 +113,8 @@ Result<void> GlbPrimitive::decode(const json& extension) {
     Decoded& decoded = decoded_[name];
     decoded.components = static_cast<std::uint64_t>(components);
     decoded.values.resize(points * decoded.components);
-    const float scale = attribute->normalized() ? 1 : 1 / largest(attribute->data_type());
+    const float scale =
+        attribute->normalized() || name.starts_with("JOINTS_") ? 1 : 1 / largest(attribute->data_type());
     for (std::uint32_t i = 0; i < points; ++i) {
       float* const values = decoded.values.data() + i * decoded.components;
       const auto value = attribute->mapped_index(draco::PointIndex(i));

@@ -1,4 +1,5 @@
-// GLB, the binary container of glTF 2.0 (ISO/IEC 12113): the meshes of every node of the scene, in world coordinates.
+// GLB, the binary container of glTF 2.0 (ISO/IEC 12113): the meshes of every node of the scene, in world coordinates, with
+// morph targets, skins and instances applied (glb_pose.hpp).
 // Positions are floats, or compressed by Draco. Data outside the file, sparse accessors and other required extensions that
 // change the geometry (meshopt, quantization) are rejected by name.
 #include <Eigen/Geometry>
@@ -8,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "worker/scan/glb_colours.hpp"
+#include "worker/scan/glb_pose.hpp"
 #include "worker/scan/glb_primitive.hpp"
 #include "worker/scan/scan_file.hpp"
 
@@ -26,7 +28,11 @@ struct Reader {
   const json& root = file.root;
   const std::string& where = file.where;
 
-  Result<void> primitive(const json& p, const Eigen::Affine3d& transform) {
+  GlbPose pose{file};
+
+  // The mesh of a node, at all places of the node.
+  Result<void> primitive(const json& p, const json& mesh, const json& node,
+                         const std::vector<Eigen::Affine3d>& places) {
     const auto mode = whole(p, "mode", 4);
     if (!mode || *mode > 6) return corrupt("a primitive of the GLB file has no known mode", where);
     if (*mode < 4) return {};  // points and lines are not a surface
@@ -39,49 +45,61 @@ struct Reader {
       return fail(Code::unsupported_format, "the positions of the GLB file are not floats", where,
                   "export the scan without quantization, or as STL");
     auto& [vertices, triangles] = scan.mesh;
-    if (vertices.size() + positions.count > scan_limits.vertices)
+    if (vertices.size() + positions.count * places.size() > scan_limits.vertices)
       return fail(Code::too_large,
                   "the scan has more than " + std::to_string(scan_limits.vertices) + " vertices", where,
                   "reduce it (quadric decimation) to a few hundred thousand triangles");
     VACUFORM_TRY(indices, part.indices());
     const std::uint64_t n = indices ? indices->count : positions.count, shape = part.compressed() ? 4 : *mode;
     const std::uint64_t added = shape == 4 ? n / 3 : n < 3 ? 0 : n - 2;
-    if (triangles.size() + added > scan_limits.triangles)
-      return too_many_triangles(triangles.size() + added, where);
+    if (triangles.size() + added * places.size() > scan_limits.triangles)
+      return too_many_triangles(triangles.size() + added * places.size(), where);
 
-    const std::size_t base = vertices.size(), first = triangles.size();
+    std::vector<Eigen::Vector3d> points;
+    points.reserve(positions.count);
     for (std::uint64_t i = 0; i < positions.count; ++i) {
       const Bytes element(positions.data + i * positions.stride, 12);
-      const Eigen::Vector3d point(std::bit_cast<float>(u32(element, 0)),
-                                  std::bit_cast<float>(u32(element, 4)),
-                                  std::bit_cast<float>(u32(element, 8)));
-      vertices.push_back(transform * point);
+      points.emplace_back(std::bit_cast<float>(u32(element, 0)), std::bit_cast<float>(u32(element, 4)),
+                          std::bit_cast<float>(u32(element, 8)));
     }
-    bool beyond = false;
-    const auto corner = [&](std::uint64_t i) {
-      std::uint64_t index = i;
-      if (indices) {
-        const std::uint8_t* at = indices->data + i * indices->stride;
-        index = indices->component == 5121   ? at[0]
-                : indices->component == 5123 ? std::uint64_t{at[0]} | std::uint64_t{at[1]} << 8
-                                             : u32(Bytes(at, 4), 0);
+    VACUFORM_CHECK(pose.morph(node, mesh, p, part, points));
+    std::optional<bool> mirrored;
+    if (node.contains("skin")) {
+      const auto skin = whole(node, "skin");
+      if (!skin) return corrupt("a node of the GLB file names no valid skin", where);
+      VACUFORM_TRY(turned, pose.skin(*skin, part, points));
+      mirrored = turned;
+    }
+    for (const Eigen::Affine3d& place : places) {
+      VACUFORM_CHECK(progress.tick());
+      const std::size_t base = vertices.size(), first = triangles.size();
+      for (const Eigen::Vector3d& point : points) vertices.push_back(mirrored ? point : place * point);
+      bool beyond = false;
+      const auto corner = [&](std::uint64_t i) {
+        std::uint64_t index = i;
+        if (indices) {
+          const std::uint8_t* at = indices->data + i * indices->stride;
+          index = indices->component == 5121   ? at[0]
+                  : indices->component == 5123 ? std::uint64_t{at[0]} | std::uint64_t{at[1]} << 8
+                                               : u32(Bytes(at, 4), 0);
+        }
+        if (index >= positions.count) return beyond = true, 0;
+        return static_cast<int>(base + index);
+      };
+      const bool turned = mirrored.value_or(place.linear().determinant() < 0);
+      for (std::uint64_t i = 0; i < added && !beyond; ++i) {
+        Triangle t = shape == 4   ? Triangle{corner(3 * i), corner(3 * i + 1), corner(3 * i + 2)}
+                     : shape == 5 ? Triangle{corner(i), corner(i + 1 + i % 2), corner(i + 2 - i % 2)}
+                                  : Triangle{corner(0), corner(i + 1), corner(i + 2)};
+        if (turned) std::swap(t[1], t[2]);
+        triangles.push_back(t);
       }
-      if (index >= positions.count) return beyond = true, 0;
-      return static_cast<int>(base + index);
-    };
-    const bool mirrored = transform.linear().determinant() < 0;
-    for (std::uint64_t i = 0; i < added && !beyond; ++i) {
-      Triangle t = shape == 4   ? Triangle{corner(3 * i), corner(3 * i + 1), corner(3 * i + 2)}
-                   : shape == 5 ? Triangle{corner(i), corner(i + 1 + i % 2), corner(i + 2 - i % 2)}
-                                : Triangle{corner(0), corner(i + 1), corner(i + 2)};
-      if (mirrored) std::swap(t[1], t[2]);
-      triangles.push_back(t);
+      if (beyond)
+        return corrupt("a triangle of the GLB file names a vertex beyond the " +
+                           std::to_string(positions.count) + " of its mesh",
+                       where);
+      if (colours) VACUFORM_CHECK(colours->add(part, p, scan.mesh, base, first));
     }
-    if (beyond)
-      return corrupt("a triangle of the GLB file names a vertex beyond the " +
-                         std::to_string(positions.count) + " of its mesh",
-                     where);
-    if (colours) return colours->add(part, p, scan.mesh, base, first);
     return {};
   }
 
@@ -150,6 +168,7 @@ struct Reader {
         if (!is_child[i]) roots.push_back(i);
       sound = push(roots, Eigen::Affine3d::Identity());
     }
+    std::vector<std::pair<std::uint64_t, Eigen::Affine3d>> with_mesh;
     while (sound && !open.empty()) {
       VACUFORM_CHECK(progress.tick());
       const auto [index, parent] = open.back();
@@ -160,18 +179,25 @@ struct Reader {
       if (!local)
         return corrupt("node " + std::to_string(index) + " of the GLB file has no valid transform", where);
       const Eigen::Affine3d transform = parent * *local;
+      pose.set_world(index, transform);
       if (node->contains("children")) sound = push((*node)["children"], transform);
-      if (!node->contains("mesh")) continue;
-      const json* mesh = nth(root, "meshes", whole(*node, "mesh"));
+      if (node->contains("mesh")) with_mesh.emplace_back(index, transform);
+    }
+    if (!sound) return corrupt("the nodes of the GLB file do not form a tree", where);
+    // Afterwards, because a skin needs all of its joints.
+    for (const auto& [index, transform] : with_mesh) {
+      VACUFORM_CHECK(progress.tick());
+      const json& node = *nth(root, "nodes", index);
+      const json* mesh = nth(root, "meshes", whole(node, "mesh"));
       if (!mesh || !mesh->contains("primitives") || !(*mesh)["primitives"].is_array())
         return corrupt("node " + std::to_string(index) + " of the GLB file names a mesh that is not there",
                        where);
+      VACUFORM_TRY(places, pose.places(node, transform));
       for (const auto& p : (*mesh)["primitives"]) {
         if (!p.is_object()) return corrupt("a primitive of the GLB file is not an object", where);
-        VACUFORM_CHECK(primitive(p, transform));
+        VACUFORM_CHECK(primitive(p, *mesh, node, places));
       }
     }
-    if (!sound) return corrupt("the nodes of the GLB file do not form a tree", where);
     return {};
   }
 };
@@ -180,7 +206,8 @@ struct Reader {
 bool known(std::string_view extension) {
   return extension.starts_with("KHR_materials_") || extension.starts_with("KHR_texture_") ||
          extension.starts_with("EXT_texture_") || extension == "KHR_lights_punctual" ||
-         extension == "KHR_xmp_json_ld" || extension == "KHR_draco_mesh_compression";
+         extension == "KHR_xmp_json_ld" || extension == "KHR_draco_mesh_compression" ||
+         extension == "EXT_mesh_gpu_instancing";
 }
 
 }  // namespace
@@ -238,7 +265,10 @@ Result<ScanFile> read_glb(Bytes bytes, const std::string& where, const ScanProgr
     if (walked.error().code == Code::corrupt_file) return damaged(walked.error().what);
     return tl::make_unexpected(walked.error());
   }
-  if (reader.colours) reader.scan.colours = colours.take();
+  if (reader.colours) {
+    reader.scan.colour_notes = colours.notes();
+    reader.scan.colours = colours.take();
+  }
   return std::move(reader.scan);
 }
 

@@ -15,7 +15,7 @@ std::vector<Triangle> fill_hole(const std::vector<Eigen::Vector3d>& vertices, co
   std::vector<Kernel::Point_3> line;
   line.reserve(loop.size());
   for (const int v : loop) {
-    const auto& p = vertices[static_cast<std::size_t>(v)];
+    const auto& p = vertices[v];
     line.emplace_back(p.x(), p.y(), p.z());
   }
   std::vector<CGAL::Triple<int, int, int>> patch;
@@ -26,9 +26,7 @@ std::vector<Triangle> fill_hole(const std::vector<Eigen::Vector3d>& vertices, co
       CGAL::parameters::use_delaunay_triangulation(true).do_not_use_cubic_algorithm(loop.size() > 200));
   std::vector<Triangle> triangles;
   if (patch.size() != loop.size() - 2) return triangles;
-  for (const auto& t : patch)
-    triangles.push_back({loop[static_cast<std::size_t>(t.first)], loop[static_cast<std::size_t>(t.second)],
-                         loop[static_cast<std::size_t>(t.third)]});
+  for (const auto& t : patch) triangles.push_back({loop[t.first], loop[t.second], loop[t.third]});
   return triangles;
 }
 

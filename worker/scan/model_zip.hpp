@@ -16,7 +16,7 @@ struct ModelFiles {
       images;  // by the names that the other files use for them
 };
 
-// Reads an archive whose names were removed (api/redaction/zip_names.hpp): model.obj or model.ply, model.mtl, texture-1
+// Reads an archive whose names were removed (api/redaction/redaction.hpp): model.obj or model.ply, model.mtl, texture-1
 // and so on. Without colours only the model is unpacked. Errors: corrupt_file (damaged, or another entry), too_large,
 // unsupported_format (encrypted), cancelled.
 Result<ModelFiles> read_model_zip(Bytes bytes, const std::string& where, const ScanProgress& progress,

@@ -171,6 +171,12 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   VACUFORM_TRY(scan, read_scan(bytes, file_name, progress));
   findings.format = scan.format;
   findings.triangles_read = static_cast<std::int64_t>(scan.mesh.triangles.size());
+  findings.space = scan.space;
+  for (const std::string& note : scan.notes) warn("file-unusual", note);
+  // The format or the file may say where up and front are.
+  const bool told = scan.y_up || scan.space != PatientSpace::unknown;
+  const PatientAxes patient = axes_of(scan.space);
+  const UpAxis told_up = scan.y_up ? UpAxis::plus_y : UpAxis::plus_z;
   VACUFORM_CHECK(progress.reach(0.1));
   weld(scan.mesh, weld_share * robust_size(scan.mesh));
   const auto outliers = drop_outliers(scan.mesh);
@@ -197,10 +203,10 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   if (settings.up == UpAxis::automatic || straight) {
     VACUFORM_TRY(guess, guess_up(skin.mesh, progress));
     if (settings.up == UpAxis::automatic) {
-      findings.up = scan.y_up ? UpAxis::plus_y : guess.best().axis;
-      findings.up_guessed = !scan.y_up;
-      if (scan.y_up ? guess.conclusive() && guess.best().axis != UpAxis::plus_y : !guess.conclusive())
-        mold.warnings.push_back(up_warning(guess, findings.up, scan.y_up));
+      findings.up = told ? told_up : guess.best().axis;
+      findings.up_guessed = !told;
+      if (told ? guess.conclusive() && guess.best().axis != told_up : !guess.conclusive())
+        mold.warnings.push_back(up_warning(guess, findings.up, told));
     }
     if (straight) tilt = find_tilt(guess, turn_before_front(settings, findings.up));
   }
@@ -220,12 +226,18 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   for (Warning& warning : size.warnings) mold.warnings.push_back(std::move(warning));
   ScanSettings settled = settings;  // with the front that is used
   if (settings.front == FrontSide::automatic) {
-    const auto told = scan.y_up ? front_of_gltf(settings, findings.up) : std::nullopt;
-    findings.front_from_format = told.has_value();
-    findings.front_assumed = !told;
-    settled.front = told.value_or(FrontSide::plus_y);
+    const auto front =
+        told ? side_of(settings, findings.up, scan.y_up ? Eigen::Vector3d::UnitZ() : patient.front)
+             : std::nullopt;
+    findings.front_from_format = front.has_value();
+    findings.front_assumed = !front;
+    settled.front = front.value_or(FrontSide::plus_y);
   }
   findings.front = settled.front;
+  if (scan.space != PatientSpace::unknown)
+    findings.left_from_file = side_of(settings, findings.up, patient.left);
+  if (auto warning = contradicted_space(scan.space, settled, findings.up))
+    mold.warnings.push_back(std::move(*warning));
   const Eigen::Matrix3d upright = scan_turn(settled, findings.up);
   turn(skin.mesh, Eigen::Matrix3d::Identity(), scale);
   turn(skin.mesh, upright, 1);

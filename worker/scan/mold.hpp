@@ -20,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "api/base/patient_space.hpp"
 #include "api/settings.hpp"
 #include "worker/stage/context.hpp"
 #include "worker/surface/triangle_mesh.hpp"
@@ -42,17 +43,19 @@ struct ScanFindings {
   bool size_given = false;     // scaled to scan.size_mm; `unit` says nothing then
   UpAxis up = UpAxis::plus_z;  // as used
   bool up_guessed = false;
-  FrontSide front = FrontSide::plus_y;     // of the upright scan, turned to +y of the mold before the yaw
-  bool front_from_format = false;          // glTF defines +Z of the file as the front
-  bool front_assumed = false;              // neither given nor told by the format
-  LeftSide left_side = LeftSide::unknown;  // as a person saw it; make_mold() does not set it
-  bool mirrored = false;                   // left and right swapped, as scan.mirror asked
-  int outliers_dropped = 0;                // vertices far from all others
-  int components = 0;                      // connected pieces in the file
-  int components_dropped = 0;              // debris and inner skins
-  bool turned_inside_out = false;          // the skin was inside out and has been turned
-  int holes_closed = 0;                    // small holes filled
-  int holes_capped = 0;                    // large openings closed by the platform
+  FrontSide front = FrontSide::plus_y;  // of the upright scan, turned to +y of the mold before the yaw
+  bool front_from_format = false;  // glTF defines +Z of the file as the front, or `space` says where it is
+  PatientSpace space = PatientSpace::unknown;  // the axes that the file names (SPACE=LPS)
+  std::optional<FrontSide> left_from_file;     // by `space`: the patient's left side of the upright scan
+  bool front_assumed = false;                  // neither given nor told by the format
+  LeftSide left_side = LeftSide::unknown;      // as a person saw it; make_mold() does not set it
+  bool mirrored = false;                       // left and right swapped, as scan.mirror asked
+  int outliers_dropped = 0;                    // vertices far from all others
+  int components = 0;                          // connected pieces in the file
+  int components_dropped = 0;                  // debris and inner skins
+  bool turned_inside_out = false;              // the skin was inside out and has been turned
+  int holes_closed = 0;                        // small holes filled
+  int holes_capped = 0;                        // large openings closed by the platform
   bool rebuilt = false;  // the skin was beyond repair and was wrapped again (CGAL's alpha wrap)
   Eigen::Vector3d size_mm = Eigen::Vector3d::Zero();  // of the whole scan, upright, before trimming
   double trim_mm = 0;        // height above the scan's lowest point at which it was cut
@@ -80,13 +83,14 @@ struct Mold {
 };
 
 // Makes the mold. Pure: the same bytes and settings give the same mold. Its coordinates are those of mold.stl, exactly.
-// Warnings: outliers, inside-out, up-guessed, tilted, large-hole, rebuilt, trim-discards, undercut. Takes a few tenths of
+// Warnings: file-unusual, space-contradicted, outliers, inside-out, up-guessed, tilted, large-hole, rebuilt, trim-discards, undercut. Takes a few tenths of
 // a second for 27,000 triangles, most of it for the pose of a scan without a foot; some seconds for a million. `file_name` is used for messages and, if the bytes do not tell the format,
 // for its extension. Errors: unsupported_format, corrupt_file, too_large, ambiguous_units, unusable_scan, cancelled.
 Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& file_name,
                        const ScanSettings& settings, const Context& context);
 
-// Whether the mold fits the sheet and the window of the machine, with room to draw; does_not_fit says what is missing.
+// Whether the mold fits the sheet and the window of the machine, with room to draw; does_not_fit says what is missing, and
+// proposes first the units in which it would fit, if its unit was guessed.
 Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const MachineSettings& machine);
 
 // Warnings for a mold that fits, with place and size: "window-close" if the sheet between mold and frame, which must

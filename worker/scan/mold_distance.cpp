@@ -56,7 +56,7 @@ Vector3d closest_weights(const Vector3d& p, const std::array<Vector3d, 3>& corne
   double least = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
     const int next = (k + 1) % 3;
-    const Vector3d &a = corners[static_cast<std::size_t>(k)], &b = corners[static_cast<std::size_t>(next)];
+    const Vector3d &a = corners[k], &b = corners[next];
     const double along = nearest_on_edge(p, a, b), squared = (p - a - along * (b - a)).squaredNorm();
     if (!(squared < least)) continue;
     least = squared;
@@ -77,10 +77,8 @@ struct Search {
 
   // Whether the triangle is closer than the best so far, and so becomes the best.
   bool offer(int candidate) {
-    const Triangle& t = mesh.triangles[static_cast<std::size_t>(candidate)];
-    const auto corner = [&](std::size_t k) -> const Vector3d& {
-      return mesh.vertices[static_cast<std::size_t>(t[k])];
-    };
+    const Triangle& t = mesh.triangles[candidate];
+    const auto corner = [&](std::size_t k) -> const Vector3d& { return mesh.vertices[t[k]]; };
     const Vector3d to_it = way_to(point, corner(0), corner(1), corner(2));
     const double squared = to_it.squaredNorm();
     if (!(squared < best)) return false;
@@ -163,8 +161,8 @@ std::optional<MoldDistance::Nearest> MoldDistance::nearest(const Vector3d& point
   look(*scene_, search, std::min(search.radius(), static_cast<float>(reach_mm * 1.0001 + 1e-3)));
   const double distance = std::sqrt(search.best);
   if (search.triangle < 0 || !(distance <= reach_mm)) return std::nullopt;
-  const Triangle& t = mesh_.triangles[static_cast<std::size_t>(search.triangle)];
-  const auto corner = [&](std::size_t k) { return mesh_.vertices[static_cast<std::size_t>(t[k])]; };
+  const Triangle& t = mesh_.triangles[search.triangle];
+  const auto corner = [&](std::size_t k) { return mesh_.vertices[t[k]]; };
   return Nearest{search.triangle, closest_weights(point, {corner(0), corner(1), corner(2)}), distance};
 }
 

@@ -23,6 +23,7 @@ Result<ScanFile> read_obj(Bytes bytes, const std::string& where, const ScanProgr
   const auto at = [&] { return where + ", line " + std::to_string(text.line_number()); };
   std::int64_t largest = -1;  // vertices may follow the faces that name them
   std::string largest_at;
+  bool names_library = false;
   while (text.next_line(line)) {
     if (text.line_number() % 65536 == 0) VACUFORM_CHECK(progress.tick());
     const auto word = take_word(line);
@@ -38,6 +39,10 @@ Result<ScanFile> read_obj(Bytes bytes, const std::string& where, const ScanProgr
       vertices.emplace_back(xyz[0], xyz[1], xyz[2]);
     } else if (word == "vt" && coloured && files) {
       VACUFORM_CHECK(colours.add_uv(line, at()));
+    } else if (word.starts_with('#')) {
+      if (scan.space == PatientSpace::unknown) scan.space = find_space(line).space;
+    } else if (word == "mtllib") {
+      names_library = true;
     } else if (word == "usemtl" && coloured) {
       colours.use(trimmed(line));
     } else if (word == "f") {
@@ -82,6 +87,10 @@ Result<ScanFile> read_obj(Bytes bytes, const std::string& where, const ScanProgr
   if (!coloured) return scan;
   VACUFORM_TRY(of_file, colours.take(scan.mesh, where));
   scan.colours = std::move(of_file);
+  scan.colour_notes = colours.notes();
+  scan.colours_missing = colours.missing();
+  if (names_library && (!files || files->library.empty()))
+    scan.colours_missing.push_back("The OBJ names a material library (mtllib), but its MTL was not given");
   return scan;
 }
 

@@ -20,18 +20,15 @@ std::vector<Eigen::Vector3d> drop_outliers(TriangleMesh& mesh) {
   for (std::size_t v = 0; v < far.size(); ++v)
     if (away(mesh.vertices[v]) > reach) far[v] = 1, places.push_back(mesh.vertices[v]);
   if (places.empty() || places.size() * 100 >= far.size()) return {};
-  const auto stray = [&](const Triangle& t) {
-    return far[static_cast<std::size_t>(t[0])] || far[static_cast<std::size_t>(t[1])] ||
-           far[static_cast<std::size_t>(t[2])];
-  };
+  const auto stray = [&](const Triangle& t) { return far[t[0]] || far[t[1]] || far[t[2]]; };
   // If most of the surface is far away, that part is the scan, and what is in the middle is dust.
   double away_mm2 = 0, near_mm2 = 0;
   for (const Triangle& t : mesh.triangles) {
     const auto corner = [&](int k) -> const Eigen::Vector3d& {
-      return mesh.vertices[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])];
+      return mesh.vertices[t[static_cast<std::size_t>(k)]];
     };
     const double mm2 = (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm() / 2;
-    const auto is_far = [&](int v) { return far[static_cast<std::size_t>(v)] != 0; };
+    const auto is_far = [&](int v) { return far[v] != 0; };
     if (std::all_of(t.begin(), t.end(), is_far))
       away_mm2 += mm2;
     else if (!stray(t))

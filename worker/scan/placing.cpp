@@ -98,9 +98,7 @@ Eigen::Matrix3d turn_about_z(double radians) {
 Eigen::Matrix3d principal_turn(const TriangleMesh& mesh) {
   double total = 0;
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-  const auto corner = [&](int v) -> Eigen::Vector2d {
-    return mesh.vertices[static_cast<std::size_t>(v)].head<2>();
-  };
+  const auto corner = [&](int v) -> Eigen::Vector2d { return mesh.vertices[v].head<2>(); };
   for (const Triangle& t : mesh.triangles) {
     const double area = area_vector(mesh, t).norm();
     total += area;

@@ -15,9 +15,7 @@ constexpr double on_platform_mm =
     5e-4;  // half of what cutting leaves between the platform and the next vertex
 constexpr double least_base_mm2 = 1;
 
-const Eigen::Vector3d& at(const TriangleMesh& mesh, int v) {
-  return mesh.vertices[static_cast<std::size_t>(v)];
-}
+const Eigen::Vector3d& at(const TriangleMesh& mesh, int v) { return mesh.vertices[v]; }
 
 // The triangles that lie on the platform.
 std::vector<int> base_of(const TriangleMesh& mesh) {
@@ -35,8 +33,8 @@ struct Corners {
   const TriangleMesh& mesh;
   const std::vector<int>& base;
   int vertex(int corner) const {
-    const int t = base[static_cast<std::size_t>(corner / 3)];
-    return mesh.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(corner % 3)];
+    const int t = base[corner / 3];
+    return mesh.triangles[t][corner % 3];
   }
   static int next(int corner) { return corner / 3 * 3 + (corner + 1) % 3; }
 };
@@ -61,13 +59,12 @@ void extrude(TriangleMesh& mesh, const std::vector<int>& base) {
   std::vector<int> parent(sides.size());
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](int c) {
-    for (int* up = &parent[static_cast<std::size_t>(c)]; *up != c; up = &parent[static_cast<std::size_t>(c)])
-      c = *up = parent[static_cast<std::size_t>(*up)];
+    for (int* up = &parent[c]; *up != c; up = &parent[c]) c = *up = parent[*up];
     return c;
   };
   const auto join = [&](int a, int b) {
     const int low = std::min(root(a), root(b)), high = std::max(root(a), root(b));
-    parent[static_cast<std::size_t>(high)] = low;
+    parent[high] = low;
   };
   std::vector<int> rim;
   for (std::size_t i = 0; i < sides.size();) {
@@ -84,7 +81,7 @@ void extrude(TriangleMesh& mesh, const std::vector<int>& base) {
 
   std::vector<int> lowered(sides.size(), -1);
   const auto lower = [&](int corner) {
-    int& v = lowered[static_cast<std::size_t>(root(corner))];
+    int& v = lowered[root(corner)];
     if (v < 0) {
       v = static_cast<int>(mesh.vertices.size());
       const Eigen::Vector3d p = at(mesh, corners.vertex(corner));
@@ -124,8 +121,7 @@ Result<Mold> on_plug(Mold mold, double height_mm) {
   if (height_mm == 0) return mold;
   const auto base = base_of(mold.mesh);
   double area = 0;
-  for (const int i : base)
-    area += area_vector(mold.mesh, mold.mesh.triangles[static_cast<std::size_t>(i)]).norm();
+  for (const int i : base) area += area_vector(mold.mesh, mold.mesh.triangles[i]).norm();
   if (area < least_base_mm2)
     return fail(Code::unusable_scan, "the mold has no flat base that a plug could carry",
                 "machine.plug_height_mm", "trim the scan (scan.trim_mm), so that it stands flat");

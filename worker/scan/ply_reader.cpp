@@ -2,9 +2,11 @@
 // y, z of `vertex` and the list vertex_indices (or vertex_index) of `face` and of `tristrips` are read; everything else
 // is skipped by its declared size. Colours are red, green and blue of `vertex`, encoded as sRGB, and the texture
 // (ply_texture.hpp). In a strip -1 starts the next one. Turk 1994, "The PLY polygon file format".
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -66,10 +68,25 @@ Use of_vertex(std::string_view name) {
   return colour_from(name);
 }
 
-// Linear light from an encoded colour; integers are fractions of their type's largest value.
-float linear_from(Kind kind, double value) {
-  const double whole = kind == Kind::u8 ? 255 : kind == Kind::u16 ? 65535 : 1;
-  return linear_from_srgb(static_cast<float>(value / whole));
+// What full colour is. Bytes count to 255. Other types are used for 0 to 1, for 0 to 255 and for 0 to 65535, and only
+// the largest value of all tells which.
+double full_colour(Kind kind, float largest) {
+  constexpr float rounding = 0.01f;
+  if (kind == Kind::u8) return 255;
+  if (largest <= 1 + rounding) return 1;
+  return largest <= 255 + rounding ? 255 : 65535;
+}
+
+// Turns what the file has into linear light.
+void settle_colours(std::span<Eigen::Vector3f> colours, Kind kind, std::vector<std::string>& notes) {
+  float largest = 0;
+  for (const auto& colour : colours) largest = std::max(largest, colour.maxCoeff());
+  const auto full = static_cast<float>(full_colour(kind, largest));
+  for (auto& colour : colours) colour = (colour / full).unaryExpr(&linear_from_srgb);
+  const double usual = kind == Kind::u16 ? 65535 : 1;
+  if (kind != Kind::u8 && full != usual && largest > 0)
+    notes.push_back("The colours of the PLY file are read as 0 to " + std::to_string(static_cast<int>(full)) +
+                    ", as their values say and not their type");
 }
 
 struct Property {
@@ -147,6 +164,7 @@ struct Header {
   enum class Encoding { none, ascii, little, big } encoding = Encoding::none;
   std::vector<Element> elements;
   std::vector<std::string> textures;
+  PatientSpace space = PatientSpace::unknown;
   std::uint64_t bytes = 0;  // of the header itself
 };
 
@@ -209,6 +227,9 @@ Result<Header> read_header(Bytes bytes, const std::string& where) {
       if (element.properties.size() == 1024)
         return corrupt("a PLY element declares more than 1024 properties", at());
       element.properties.push_back(property);
+    } else if (const auto space = find_space(word == "comment" ? line : "").space;
+               space != PatientSpace::unknown) {
+      if (header.space == PatientSpace::unknown) header.space = space;
     } else if (word == "comment" && take_word(line) == "TextureFile") {
       if (header.textures.size() < most_textures) header.textures.emplace_back(trimmed(line));
     } else if (word != "comment" && word != "obj_info" && !word.empty()) {
@@ -241,12 +262,16 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
   auto& [vertices, triangles] = scan.mesh;
   Values values(bytes.subspan(header.bytes), ascii, header.encoding == Header::Encoding::big);
   std::vector<double> corners, texcoord;
+  const bool names_textures = !header.textures.empty();
+  scan.space = header.space;
   PlyTexture texture(std::move(header.textures), parts == ScanParts::with_colours ? files : nullptr);
   double largest = -1;
   ScanColours colours;
 
   for (const auto& element : header.elements) {
     bool coloured = false, with_uv = false;
+    Kind colour_kind = Kind::u8;
+    std::size_t uncoloured = 0;
     // The fewest bytes that a row can take: a word and its separator in ASCII, empty lists in binary.
     std::uint64_t row_bytes = 0;
     for (const auto& p : element.properties) row_bytes += ascii ? 2 : size_of(p.list ? p.count_kind : p.kind);
@@ -270,6 +295,9 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
       vertices.reserve(vertices.size() + element.count);
       coloured = parts == ScanParts::with_colours && (used >> static_cast<int>(Use::red) & 0b111) == 0b111;
       if (coloured) colours.vertex.resize(vertices.size(), Eigen::Vector3f::Ones());
+      for (const auto& p : element.properties)
+        if (is_colour(p.use)) colour_kind = p.kind;
+      uncoloured = colours.vertex.size();
       with_uv = texture.used() && (used >> static_cast<int>(Use::u) & 0b11) == 0b11;
     }
     for (std::uint64_t row = 0; row < element.count; ++row) {
@@ -297,7 +325,7 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
           else if (!is_colour(p.use))
             point[static_cast<int>(p.use) - 1] = value;
           else if (std::isfinite(value))
-            colour[static_cast<int>(p.use) - static_cast<int>(Use::red)] = linear_from(p.kind, value);
+            colour[static_cast<int>(p.use) - static_cast<int>(Use::red)] = static_cast<float>(value);
           else
             return corrupt("a colour of the PLY file is not a finite number", at());
           continue;
@@ -347,6 +375,8 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
       if (element.name == "face" && texture.used())
         texture.add_face(texcoord, number, first_triangle, triangles.size());
     }
+    if (coloured)
+      settle_colours(std::span(colours.vertex).subspan(uncoloured), colour_kind, scan.colour_notes);
   }
   if (largest >= static_cast<double>(vertices.size()))
     return corrupt("a face names vertex " + std::to_string(static_cast<std::int64_t>(largest)) +
@@ -354,6 +384,8 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
                        " vertices, counted from 0",
                    where);
   if (!colours.vertex.empty()) colours.vertex.resize(vertices.size(), Eigen::Vector3f::Ones());
+  if (parts == ScanParts::with_colours && names_textures && !files)
+    scan.colours_missing.push_back("The PLY names a texture (TextureFile), but its image was not given");
   if (texture.used()) {
     VACUFORM_CHECK(texture.lay(scan.mesh, where, colours));
     scan.colours = std::move(colours);

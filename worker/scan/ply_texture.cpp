@@ -53,7 +53,7 @@ Result<void> PlyTexture::lay(const TriangleMesh& mesh, const std::string& where,
       uv = of_triangle_[t].uv;
     } else if (!of_vertex_.empty()) {
       colours.material[t] = 0;
-      for (std::size_t k = 0; k < 3; ++k) uv[k] = of_vertex_[static_cast<std::size_t>(mesh.triangles[t][k])];
+      for (std::size_t k = 0; k < 3; ++k) uv[k] = of_vertex_[mesh.triangles[t][k]];
     } else {
       for (Eigen::Vector2f& corner : uv) corner.setZero();
     }

@@ -70,8 +70,7 @@ Cut sharpened(const TriangleMesh& skin, const Eigen::Vector3d& normal, double ba
     for (const auto& t : skin.triangles) {
       const Eigen::Vector3d a = area_vector(skin, t);
       bool in_plane = cut.normal.dot(a) > cosine * a.norm();
-      for (const int v : t)
-        in_plane = in_plane && cut.normal.dot(skin.vertices[static_cast<std::size_t>(v)]) > support - wide;
+      for (const int v : t) in_plane = in_plane && cut.normal.dot(skin.vertices[v]) > support - wide;
       if (in_plane) sum += a;
     }
     cut.area = sum.norm();
@@ -91,7 +90,7 @@ double slope_behind(const TriangleMesh& skin, const Eigen::Vector3d& normal, dou
   double sum = 0, total = 0;
   for (const auto& t : skin.triangles) {
     double behind = plane;
-    for (const int v : t) behind -= normal.dot(skin.vertices[static_cast<std::size_t>(v)]) / 3;
+    for (const int v : t) behind -= normal.dot(skin.vertices[v]) / 3;
     if (behind < 0.015 * size || behind > 0.08 * size) continue;
     const Eigen::Vector3d a = area_vector(skin, t);
     sum += normal.dot(a);
@@ -124,17 +123,13 @@ std::vector<Cut> find_cuts(const TriangleMesh& skin, double noise_mm) {
   }
   const auto loops = border_loops(skin);
   for (const auto& loop : loops) {
-    const auto at = [&](std::size_t i) -> const Eigen::Vector3d& {
-      return skin.vertices[static_cast<std::size_t>(loop[i])];
-    };
+    const auto at = [&](std::size_t i) -> const Eigen::Vector3d& { return skin.vertices[loop[i]]; };
     Eigen::Vector3d area = Eigen::Vector3d::Zero();
     for (std::size_t i = 2; i < loop.size(); ++i) area += (at(i - 1) - at(0)).cross(at(i) - at(0)) / 2;
     if (area.norm() > least_open * total) {
       Cut cut{area.normalized(), area.norm() / total, true, 0};
       double plane = 0;
-      for (const int v : loop)
-        plane +=
-            cut.normal.dot(skin.vertices[static_cast<std::size_t>(v)]) / static_cast<double>(loop.size());
+      for (const int v : loop) plane += cut.normal.dot(skin.vertices[v]) / static_cast<double>(loop.size());
       cut.rim = slope_behind(skin, cut.normal, plane, bounds(skin).size().norm());
       cuts.push_back(cut);
     }
@@ -154,7 +149,7 @@ TriangleMesh main_pieces(const TriangleMesh& skin) {
   if (count < 2) return skin;
   std::vector<double> area(static_cast<std::size_t>(count), 0);
   for (std::size_t i = 0; i < piece_of.size(); ++i)
-    area[static_cast<std::size_t>(piece_of[i])] += area_vector(skin, skin.triangles[i]).norm();
+    area[piece_of[i]] += area_vector(skin, skin.triangles[i]).norm();
   const double largest = *std::max_element(area.begin(), area.end());
   std::vector<char> keep;
   double kept = 0, total = 0;
@@ -171,7 +166,7 @@ TriangleMesh filled(TriangleMesh mesh, std::size_t least = 0) {
   for (const auto& loop : border_loops(mesh)) {
     if (loop.size() < least) continue;
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    for (const int v : loop) middle += mesh.vertices[static_cast<std::size_t>(v)];
+    for (const int v : loop) middle += mesh.vertices[v];
     const int hub = static_cast<int>(mesh.vertices.size());
     mesh.vertices.push_back(middle / static_cast<double>(loop.size()));
     for (std::size_t i = 0; i < loop.size(); ++i)
@@ -222,7 +217,7 @@ std::array<double, axes.size()> end_areas(const TriangleMesh& body) {
     const double highest = std::max(up.dot(box.low), up.dot(box.high)), height = std::abs(up.dot(box.size()));
     for (const auto& t : body.triangles) {
       double z = 0;
-      for (const int v : t) z += up.dot(body.vertices[static_cast<std::size_t>(v)]) / 3;
+      for (const int v : t) z += up.dot(body.vertices[v]) / 3;
       if (z > highest - height / 8) areas[k] += std::max(0.0, up.dot(area_vector(body, t)));
     }
     areas[k] = std::max(areas[k], 0.01 * box.size().prod() / height);

@@ -36,7 +36,7 @@ std::optional<RayCaster::Hit> RayCaster::first_hit(const Eigen::Vector3d& origin
 bool lies_below(const TriangleMesh& mesh, const RayCaster& rays, const Eigen::Vector3d& point,
                 double height) {
   const auto hit = rays.first_hit(point, {0, 0, height});
-  return hit && area_vector(mesh, mesh.triangles[static_cast<std::size_t>(hit->triangle)]).z() > 0;
+  return hit && area_vector(mesh, mesh.triangles[hit->triangle]).z() > 0;
 }
 
 }  // namespace vacuform

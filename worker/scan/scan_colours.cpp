@@ -47,7 +47,7 @@ struct SrgbBytes {
 std::uint8_t srgb_byte(float linear) {
   static const SrgbBytes bytes;
   const float x = std::clamp(linear, 0.0f, 1.0f);
-  std::uint8_t k = bytes.first[static_cast<std::size_t>(x * SrgbBytes::steps)];
+  std::uint8_t k = bytes.first[x * SrgbBytes::steps];
   while (k < 255 && x >= bytes.begin[k + 1u]) ++k;
   return k;
 }

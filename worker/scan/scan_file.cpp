@@ -30,6 +30,7 @@ std::string_view kind_of_other_file(Bytes bytes) {
   const std::string_view head = as_text(bytes, 512);
   if (head.starts_with("PK\x03\x04")) return "a ZIP archive (3MF, or packed files)";
   if (head.starts_with("\x1f\x8b")) return "a gzip archive";
+  if (head.starts_with("\xff\xfe") || head.starts_with("\xfe\xff")) return "a text in UTF-16";
   if (head.starts_with("Kaydara FBX")) return "an FBX file";
   if (head.starts_with("\x89PNG") || head.starts_with("\xff\xd8\xff")) return "a picture";
   if (head.starts_with("%PDF")) return "a PDF file";
@@ -52,15 +53,18 @@ bool sizes_as_binary_stl(Bytes bytes) {
   return 84 + 50 * count == bytes.size();
 }
 
+// Editors of Windows put it before a text in UTF-8.
+Bytes without_mark(Bytes bytes) { return as_text(bytes, 3) == "\xef\xbb\xbf" ? bytes.subspan(3) : bytes; }
+
 // "solid" and, after a name of any length, the word facet or endsolid at the start of a line.
 bool looks_like_ascii_stl(Bytes bytes) {
   TextCursor text(bytes);
-  if (text.next_word() != "solid") return false;
+  if (!equal_ignoring_case(text.next_word(), "solid")) return false;
   std::string_view line;
   while (text.next_line(line)) {
     if (line.find('\0') != line.npos) return false;
     const auto word = take_word(line);
-    if (word == "facet" || word == "endsolid") return true;
+    if (equal_ignoring_case(word, "facet") || equal_ignoring_case(word, "endsolid")) return true;
   }
   return false;
 }
@@ -157,7 +161,7 @@ double crowding_of(const TriangleMesh& mesh) {
   double sum = 0;
   for (const Triangle& t : mesh.triangles) {
     Eigen::AlignedBox3d box;
-    for (const int v : t) box.extend(mesh.vertices[static_cast<std::size_t>(v)]);
+    for (const int v : t) box.extend(mesh.vertices[v]);
     all.extend(box);
     sum += surface(box);
   }
@@ -174,6 +178,7 @@ Result<ScanFile> read_scan(Bytes bytes, const std::string& file_name, const Scan
     return fail(Code::too_large,
                 "the scan file has " + std::to_string(bytes.size()) + " bytes, above the limit of 1 GiB",
                 file_name, "reduce the scan (quadric decimation) to a few hundred thousand triangles");
+  bytes = without_mark(bytes);
   const auto format = recognise(bytes, extension_of(file_name));
   if (!format) {
     const auto kind = kind_of_other_file(bytes);

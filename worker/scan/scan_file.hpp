@@ -9,8 +9,10 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "api/base/error.hpp"
+#include "api/base/patient_space.hpp"
 #include "api/job_limits.hpp"
 #include "worker/scan/scan_colours.hpp"
 #include "worker/scan/scan_progress.hpp"
@@ -37,7 +39,12 @@ struct ScanFile {
   std::string format;  // "STL (binary)", "PLY (ASCII)", "OBJ", ...
   TriangleMesh mesh;   // as in the file: not welded, any orientation, any unit; at least one triangle
   bool y_up = false;   // the format itself says that +Y is up and +Z is the front (glTF)
+  PatientSpace space = PatientSpace::unknown;  // if a head or a comment of the file names one
+  std::vector<std::string> notes = {};  // how the shape was read where the file is not as its format demands
   std::optional<ScanColours> colours = {};  // if they were asked for and the file has any
+  std::vector<std::string> colour_notes =
+      {};  // how colours were read, or why there are none, if they were asked for
+  std::vector<std::string> colours_missing = {};  // colours that the file asks for and that are not there
 };
 
 // What to read of a scan file. Colours cost memory, and a file whose colours are damaged can still have a sound shape.

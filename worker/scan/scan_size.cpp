@@ -70,12 +70,16 @@ std::vector<Proposal> in_units(double side, const std::vector<Unit>& wanted) {
 }
 
 const char* const measure_it = "measure the longest side of the head and give it in mm as scan.size_mm";
+// A unit that is given would contradict the size.
+const char* const measure_it_instead =
+    "measure the longest side of the head and give it in mm as scan.size_mm, with scan.units=auto";
 
-tl::unexpected<Error> ask_for_size(Code code, const std::string& what, const std::string& where,
-                                   double side) {
+tl::unexpected<Error> ask_for_size(Code code, const std::string& what, const std::string& where, double side,
+                                   Unit given = Unit::automatic) {
   auto proposals = in_units(side, possible_units(side));
-  if (proposals.empty()) return fail(code, what, where, measure_it);
-  return fail(code, what, where, "set the unit of the file", std::move(proposals), measure_it);
+  const char* const measure = given == Unit::automatic ? measure_it : measure_it_instead;
+  if (proposals.empty()) return fail(code, what, where, measure);
+  return fail(code, what, where, "set the unit of the file", std::move(proposals), measure);
 }
 
 std::string sizes_in_all_units(double side) {
@@ -199,7 +203,7 @@ Result<ScanSize> choose_size(const ScanSettings& settings, const std::string& wh
     return ask_for_size(Code::unusable_scan,
                         "in " + std::string(name(size.unit)) + " the scan's longest side is " +
                             (side < 10 ? "only " : "") + in_mm(side),
-                        where, longest);
+                        where, longest, settings.units);
   if (!size.unit_guessed && !is_head(side)) size.warnings.push_back(unusual_size(side, longest, size.unit));
   return size;
 }

@@ -27,7 +27,7 @@ std::string kinds_of_size(double mm);
 
 // The unit in which the longest side measures 80 to 400 mm. Feet are never guessed, because a scan in metres is far more
 // common. Error: ambiguous_units if no unit or more than one fits. It proposes each unit in which the size is that of a
-// head or, in mm, cm, m or inches, of a figurine above 30 mm. If there is none, or if the longest side is 1 or 2, as
+// head or, in mm, cm, m or inches, of a figurine above 30 mm. If no unit fits, or if the longest side is 1 or 2, as
 // of a model that was scaled to a unit cube, it asks for the measured size and proposes none.
 Result<Unit> guess_unit(double longest_side, const std::string& where);
 

@@ -33,8 +33,8 @@ std::vector<Piece> measure_pieces(const TriangleMesh& mesh, const std::vector<in
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const auto n = static_cast<std::size_t>(piece_of[i]);
     for (const int v : mesh.triangles[i]) {
-      low[n] = low[n].cwiseMin(mesh.vertices[static_cast<std::size_t>(v)]);
-      high[n] = high[n].cwiseMax(mesh.vertices[static_cast<std::size_t>(v)]);
+      low[n] = low[n].cwiseMin(mesh.vertices[v]);
+      high[n] = high[n].cwiseMax(mesh.vertices[v]);
     }
     area[n] += area_vector(mesh, mesh.triangles[i]).norm();
   }
@@ -56,19 +56,18 @@ std::vector<TriangleMesh> largest_pieces(const TriangleMesh& mesh, const std::ve
                                          const std::vector<Piece>& pieces) {
   std::vector<int> rank(pieces.size(), -1);
   std::vector<TriangleMesh> largest(std::min<std::size_t>(pieces.size(), most_pieces_examined));
-  for (std::size_t i = 0; i < largest.size(); ++i)
-    rank[static_cast<std::size_t>(pieces[i].number)] = static_cast<int>(i);
+  for (std::size_t i = 0; i < largest.size(); ++i) rank[pieces[i].number] = static_cast<int>(i);
   std::vector<int> number(mesh.vertices.size(), -1);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const int k = rank[static_cast<std::size_t>(piece_of[i])];
+    const int k = rank[piece_of[i]];
     if (k < 0) continue;
-    TriangleMesh& piece = largest[static_cast<std::size_t>(k)];
+    TriangleMesh& piece = largest[k];
     Triangle t = mesh.triangles[i];
     for (int& v : t) {
-      int& n = number[static_cast<std::size_t>(v)];
+      int& n = number[v];
       if (n < 0) {
         n = static_cast<int>(piece.vertices.size());
-        piece.vertices.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
+        piece.vertices.push_back(mesh.vertices[v]);
       }
       v = n;
     }
@@ -108,8 +107,8 @@ double orient(TriangleMesh& mesh) {
     const auto &a = uses[i], &b = uses[i + 1];
     const bool agrees = a.forward != b.forward;
     const auto ta = static_cast<std::size_t>(a.triangle), tb = static_cast<std::size_t>(b.triangle);
-    neighbours[ta][static_cast<std::size_t>(filled[ta]++)] = {b.triangle, agrees};
-    neighbours[tb][static_cast<std::size_t>(filled[tb]++)] = {a.triangle, agrees};
+    neighbours[ta][filled[ta]++] = {b.triangle, agrees};
+    neighbours[tb][filled[tb]++] = {a.triangle, agrees};
   }
 
   std::vector<int> patch(mesh.triangles.size(), -1);
@@ -124,9 +123,9 @@ double orient(TriangleMesh& mesh) {
       const auto t = static_cast<std::size_t>(open.back());
       open.pop_back();
       for (const auto& n : neighbours[t]) {
-        if (n.triangle < 0 || patch[static_cast<std::size_t>(n.triangle)] >= 0) continue;
-        patch[static_cast<std::size_t>(n.triangle)] = patches;
-        flip[static_cast<std::size_t>(n.triangle)] = flip[t] ^ !n.agrees;
+        if (n.triangle < 0 || patch[n.triangle] >= 0) continue;
+        patch[n.triangle] = patches;
+        flip[n.triangle] = flip[t] ^ !n.agrees;
         open.push_back(n.triangle);
       }
     }
@@ -138,29 +137,28 @@ double orient(TriangleMesh& mesh) {
   std::vector<Eigen::Vector3d> reference(static_cast<std::size_t>(patches), Eigen::Vector3d::Zero());
   std::vector<double> weight(static_cast<std::size_t>(patches), 0), volume = weight;
   for (const auto& [triangle, use] : border) {
-    const auto n = static_cast<std::size_t>(patch[static_cast<std::size_t>(triangle)]);
-    const auto& u = uses[static_cast<std::size_t>(use)];
-    const Eigen::Vector3d &a = mesh.vertices[static_cast<std::size_t>(u.low)],
-                          &b = mesh.vertices[static_cast<std::size_t>(u.high)];
+    const auto n = static_cast<std::size_t>(patch[triangle]);
+    const auto& u = uses[use];
+    const Eigen::Vector3d &a = mesh.vertices[u.low], &b = mesh.vertices[u.high];
     const double length = (b - a).norm();
     reference[n] += length * (a + b) / 2;
     weight[n] += length;
   }
   for (std::size_t i = mesh.triangles.size(); i-- > 0;) {
     const auto n = static_cast<std::size_t>(patch[i]);
-    if (weight[n] == 0) reference[n] = mesh.vertices[static_cast<std::size_t>(mesh.triangles[i][0])];
+    if (weight[n] == 0) reference[n] = mesh.vertices[mesh.triangles[i][0]];
   }
   for (std::size_t n = 0; n < weight.size(); ++n)
     if (weight[n] > 0) reference[n] /= weight[n];
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const auto n = static_cast<std::size_t>(patch[i]);
-    const Eigen::Vector3d a = mesh.vertices[static_cast<std::size_t>(mesh.triangles[i][0])] - reference[n];
+    const Eigen::Vector3d a = mesh.vertices[mesh.triangles[i][0]] - reference[n];
     volume[n] += (flip[i] ? -1 : 1) * a.dot(area_vector(mesh, mesh.triangles[i])) / 3;
   }
   double turned = 0, total = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const double area = area_vector(mesh, mesh.triangles[i]).norm();
-    const bool turn = flip[i] != (volume[static_cast<std::size_t>(patch[i])] < 0);
+    const bool turn = flip[i] != (volume[patch[i]] < 0);
     if (turn) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
     total += area;
     turned += turn ? area : 0;
@@ -262,14 +260,13 @@ Result<OuterSkin> outer_skin(const TriangleMesh& mesh, BodyChoice choice, const 
   } else {
     std::vector<char> keep(static_cast<std::size_t>(skin.components), 0);
     const std::size_t main_piece = chosen ? static_cast<std::size_t>(bodies[*chosen].piece) : 0;
-    keep[static_cast<std::size_t>(pieces[main_piece].number)] = 1;
+    keep[pieces[main_piece].number] = 1;
     const RayCaster main(largest[main_piece]);
     for (std::size_t i = 0; i < largest.size(); ++i) {
       VACUFORM_CHECK(progress.tick());
       if (i == main_piece || (chosen && nearest_body(largest[i], bodies) != *chosen)) continue;
       const double share = pieces[i].diagonal / pieces[main_piece].diagonal;
-      keep[static_cast<std::size_t>(pieces[i].number)] =
-          belongs(largest[i], share, main, 2 * pieces[main_piece].diagonal);
+      keep[pieces[i].number] = belongs(largest[i], share, main, 2 * pieces[main_piece].diagonal);
     }
     skin.components_dropped = static_cast<int>(std::count(keep.begin(), keep.end(), 0));
     skin.mesh = take_pieces(mesh, piece_of, keep);

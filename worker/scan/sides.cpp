@@ -20,8 +20,11 @@ std::vector<Warning> side_warnings(const ScanFindings& findings) {
     return {Warning{.code = "mirrored-or-turned",
                     .text = "The patient's left was seen at +x, but with the face at +y it must be at -x",
                     .place = "the whole scan"}};
-  const char* const text =
-      findings.front_assumed
+  const std::string text =
+      findings.left_from_file ? "Nobody has compared left and right with the patient; face and left are "
+                                "placed as the file says (SPACE=" +
+                                    std::string(name(findings.space)) + ")"
+      : findings.front_assumed
           ? "Nobody has said where the face and the patient's left are; the face is taken to be at +y and "
             "the left "
             "at -x"

@@ -34,22 +34,19 @@ Neighbours inner_neighbours(const TriangleMesh& mesh) {
          next < uses.size() && uses[next].low == uses[i].low && uses[next].high == uses[i].high;)
       ++next;
     edges.emplace_back(uses[i].low, uses[i].high);
-    if (next != i + 2)
-      border[static_cast<std::size_t>(uses[i].low)] = border[static_cast<std::size_t>(uses[i].high)] = 1;
+    if (next != i + 2) border[uses[i].low] = border[uses[i].high] = 1;
   }
   Neighbours neighbours;
   neighbours.first.assign(n + 1, 0);
   for (const auto& [a, b] : edges)
     for (const int v : {a, b})
-      if (!border[static_cast<std::size_t>(v)]) ++neighbours.first[static_cast<std::size_t>(v) + 1];
+      if (!border[v]) ++neighbours.first[static_cast<std::size_t>(v) + 1];
   for (std::size_t v = 0; v < n; ++v) neighbours.first[v + 1] += neighbours.first[v];
   std::vector<int> at(neighbours.first.begin(), neighbours.first.end() - 1);
   neighbours.of.resize(static_cast<std::size_t>(neighbours.first.back()));
   for (const auto& [a, b] : edges) {
-    if (!border[static_cast<std::size_t>(a)])
-      neighbours.of[static_cast<std::size_t>(at[static_cast<std::size_t>(a)]++)] = b;
-    if (!border[static_cast<std::size_t>(b)])
-      neighbours.of[static_cast<std::size_t>(at[static_cast<std::size_t>(b)]++)] = a;
+    if (!border[a]) neighbours.of[at[static_cast<std::size_t>(a)]++] = b;
+    if (!border[b]) neighbours.of[at[static_cast<std::size_t>(b)]++] = a;
   }
   return neighbours;
 }
@@ -60,7 +57,7 @@ void umbrella(const Neighbours& neighbours, const Vectors& x, Vectors& out) {
   for (std::size_t v = 0; v < x.size(); ++v) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (int i = neighbours.first[v]; i < neighbours.first[v + 1]; ++i)
-      sum += x[static_cast<std::size_t>(neighbours.of[static_cast<std::size_t>(i)])];
+      sum += x[neighbours.of[static_cast<std::size_t>(i)]];
     out[v] = neighbours.count(v) > 0 ? Eigen::Vector3d(static_cast<double>(neighbours.count(v)) * x[v] - sum)
                                      : Eigen::Vector3d::Zero();
   }
@@ -79,10 +76,7 @@ double inner_product(const Vectors& a, const Vectors& b) {
 double mean_edge(const TriangleMesh& mesh) {
   double sum = 0;
   for (const auto& t : mesh.triangles)
-    for (std::size_t k = 0; k < 3; ++k)
-      sum += (mesh.vertices[static_cast<std::size_t>(t[k])] -
-              mesh.vertices[static_cast<std::size_t>(t[(k + 1) % 3])])
-                 .norm();
+    for (std::size_t k = 0; k < 3; ++k) sum += (mesh.vertices[t[k]] - mesh.vertices[t[(k + 1) % 3]]).norm();
   return sum / (3 * static_cast<double>(std::max<std::size_t>(1, mesh.triangles.size())));
 }
 
@@ -94,12 +88,12 @@ double noise_of(const TriangleMesh& mesh) {
   // The normals of the surface averaged over a few neighbours: those of a noisy one point anywhere.
   Vectors normal(n, Eigen::Vector3d::Zero()), next = normal;
   for (const auto& t : mesh.triangles)
-    for (const int v : t) normal[static_cast<std::size_t>(v)] += area_vector(mesh, t);
+    for (const int v : t) normal[v] += area_vector(mesh, t);
   for (int round = 0; round < 4; ++round) {
     for (std::size_t v = 0; v < n; ++v) {
       next[v] = normal[v];
       for (int i = neighbours.first[v]; i < neighbours.first[v + 1]; ++i)
-        next[v] += normal[static_cast<std::size_t>(neighbours.of[static_cast<std::size_t>(i)])];
+        next[v] += normal[neighbours.of[static_cast<std::size_t>(i)]];
     }
     normal.swap(next);
   }
@@ -112,7 +106,7 @@ double noise_of(const TriangleMesh& mesh) {
   for (std::size_t v = 0; v < n; ++v) {
     bool inner = neighbours.count(v) > 0 && normal[v].norm() > 0;
     for (int i = neighbours.first[v]; inner && i < neighbours.first[v + 1]; ++i)
-      inner = neighbours.count(static_cast<std::size_t>(neighbours.of[static_cast<std::size_t>(i)])) > 0;
+      inner = neighbours.count(static_cast<std::size_t>(neighbours.of[i])) > 0;
     if (inner) sizes.push_back(std::abs(twice[v].dot(normal[v].normalized())));
   }
   if (sizes.empty()) return 0;

@@ -23,7 +23,7 @@ MirrorTest::MirrorTest(const TriangleMesh& body) : distance_(body), size_(bounds
   double total = 0;
   const auto middle = [&](const Triangle& t) -> Eigen::Vector3d {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const int v : t) sum += body.vertices[static_cast<std::size_t>(v)];
+    for (const int v : t) sum += body.vertices[v];
     return sum / 3;
   };
   for (const auto& t : body.triangles) {

@@ -56,9 +56,9 @@ std::vector<std::vector<int>> border_loops(const TriangleMesh& mesh) {
   std::vector<int> place(mesh.vertices.size(), -1);  // of a vertex on the current path
   // The first unused edge of a vertex. Edges are used in order, so that none is examined twice.
   std::vector<std::size_t> next_of(mesh.vertices.size(), border.size());
-  for (std::size_t i = border.size(); i-- > 0;) next_of[static_cast<std::size_t>(border[i].first)] = i;
+  for (std::size_t i = border.size(); i-- > 0;) next_of[border[i].first] = i;
   const auto outgoing = [&](int vertex) {
-    std::size_t& next = next_of[static_cast<std::size_t>(vertex)];
+    std::size_t& next = next_of[vertex];
     while (next < border.size() && border[next].first == vertex && taken[next]) ++next;
     return next < border.size() && border[next].first == vertex
                ? border.begin() + static_cast<std::ptrdiff_t>(next)
@@ -68,24 +68,22 @@ std::vector<std::vector<int>> border_loops(const TriangleMesh& mesh) {
   for (std::size_t start = 0; start < border.size(); ++start) {
     if (taken[start]) continue;
     path.assign(1, border[start].first);
-    place[static_cast<std::size_t>(path.front())] = 0;
+    place[path.front()] = 0;
     while (!path.empty()) {
       const auto edge = outgoing(path.back());
       if (edge == border.end()) {  // a dead end: only where orientations clash
-        place[static_cast<std::size_t>(path.back())] = -1;
+        place[path.back()] = -1;
         path.pop_back();
         continue;
       }
-      taken[static_cast<std::size_t>(edge - border.begin())] = 1;
+      taken[edge - border.begin()] = 1;
       const int to = edge->second;
-      if (const int at = place[static_cast<std::size_t>(to)];
-          at >= 0) {  // a loop has closed: take it off the path
+      if (const int at = place[to]; at >= 0) {  // a loop has closed: take it off the path
         loops.emplace_back(path.begin() + at, path.end());
-        for (std::size_t i = static_cast<std::size_t>(at) + 1; i < path.size(); ++i)
-          place[static_cast<std::size_t>(path[i])] = -1;
+        for (std::size_t i = static_cast<std::size_t>(at) + 1; i < path.size(); ++i) place[path[i]] = -1;
         path.resize(static_cast<std::size_t>(at) + 1);
       } else {
-        place[static_cast<std::size_t>(to)] = static_cast<int>(path.size());
+        place[to] = static_cast<int>(path.size());
         path.push_back(to);
       }
     }
@@ -97,22 +95,22 @@ int connected_pieces(const TriangleMesh& mesh, std::vector<int>& piece_of_triang
   std::vector<int> parent(mesh.vertices.size());
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](int v) {
-    while (parent[static_cast<std::size_t>(v)] != v) {
-      auto& p = parent[static_cast<std::size_t>(v)];
-      v = p = parent[static_cast<std::size_t>(p)];
+    while (parent[v] != v) {
+      auto& p = parent[v];
+      v = p = parent[p];
     }
     return v;
   };
   for (const auto& t : mesh.triangles) {
     const int a = root(t[0]);
-    parent[static_cast<std::size_t>(root(t[1]))] = a;
-    parent[static_cast<std::size_t>(root(t[2]))] = a;
+    parent[root(t[1])] = a;
+    parent[root(t[2])] = a;
   }
   std::vector<int> number(mesh.vertices.size(), -1);
   int pieces = 0;
   piece_of_triangle.resize(mesh.triangles.size());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    int& n = number[static_cast<std::size_t>(root(mesh.triangles[i][0]))];
+    int& n = number[root(mesh.triangles[i][0])];
     if (n < 0) n = pieces++;
     piece_of_triangle[i] = n;
   }
@@ -122,16 +120,16 @@ int connected_pieces(const TriangleMesh& mesh, std::vector<int>& piece_of_triang
 void drop_unused_vertices(TriangleMesh& mesh) {
   std::vector<int> number(mesh.vertices.size(), -1);
   for (const auto& t : mesh.triangles)
-    for (const int v : t) number[static_cast<std::size_t>(v)] = 0;
+    for (const int v : t) number[v] = 0;
   int kept = 0;
   for (std::size_t v = 0; v < number.size(); ++v)
     if (number[v] == 0) {
-      mesh.vertices[static_cast<std::size_t>(kept)] = mesh.vertices[v];
+      mesh.vertices[kept] = mesh.vertices[v];
       number[v] = kept++;
     }
   mesh.vertices.resize(static_cast<std::size_t>(kept));
   for (auto& t : mesh.triangles)
-    for (int& v : t) v = number[static_cast<std::size_t>(v)];
+    for (int& v : t) v = number[v];
 }
 
 TriangleMesh take_pieces(const TriangleMesh& mesh, const std::vector<int>& piece_of_triangle,
@@ -139,7 +137,7 @@ TriangleMesh take_pieces(const TriangleMesh& mesh, const std::vector<int>& piece
   TriangleMesh taken;
   taken.vertices = mesh.vertices;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-    if (keep[static_cast<std::size_t>(piece_of_triangle[i])]) taken.triangles.push_back(mesh.triangles[i]);
+    if (keep[piece_of_triangle[i]]) taken.triangles.push_back(mesh.triangles[i]);
   drop_unused_vertices(taken);
   return taken;
 }
@@ -155,7 +153,7 @@ double signed_volume(const TriangleMesh& mesh) {
   const Eigen::Vector3d centre = bounds(mesh).centre();
   double volume = 0;
   for (const auto& t : mesh.triangles) {
-    const Eigen::Vector3d a = mesh.vertices[static_cast<std::size_t>(t[0])] - centre;
+    const Eigen::Vector3d a = mesh.vertices[t[0]] - centre;
     volume += a.dot(area_vector(mesh, t)) / 3;
   }
   return volume;

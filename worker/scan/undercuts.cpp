@@ -71,9 +71,9 @@ Result<CoveredSpace> CoveredSpace::measure(const TriangleMesh& mesh, std::shared
       z = at - step;
       if (hit->triangle == last) continue;
       last = hit->triangle;
-      const double up = -down.dot(area_vector(mesh, mesh.triangles[static_cast<std::size_t>(hit->triangle)]));
+      const double up = -down.dot(area_vector(mesh, mesh.triangles[hit->triangle]));
       if (up > 0 && inside++ == 0) {
-        if (!met) space.top_[static_cast<std::size_t>(column)] = at;
+        if (!met) space.top_[column] = at;
         if (met && opened - at > space.least_height()) space.spans_.push_back({column, at, opened});
         met = true;
       } else if (up < 0 && inside > 0 && --inside == 0) {
@@ -155,9 +155,9 @@ std::vector<std::vector<int>> CoveredSpace::pockets(const std::vector<Span>& spa
   std::vector<int> parent(spans.size());
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](int i) {
-    while (parent[static_cast<std::size_t>(i)] != i) {
-      auto& p = parent[static_cast<std::size_t>(i)];
-      i = p = parent[static_cast<std::size_t>(p)];
+    while (parent[i] != i) {
+      auto& p = parent[i];
+      i = p = parent[p];
     }
     return i;
   };
@@ -165,24 +165,23 @@ std::vector<std::vector<int>> CoveredSpace::pockets(const std::vector<Span>& spa
   for (const auto& span : spans) ++first[static_cast<std::size_t>(span.column) + 1];
   std::partial_sum(first.begin(), first.end(), first.begin());
   for (int i = 0; i < static_cast<int>(spans.size()); ++i) {
-    const auto& a = spans[static_cast<std::size_t>(i)];
+    const auto& a = spans[i];
     for (const int neighbour :
          {a.column + 1, a.column + nx_})  // the outer ring holds no spans: no wrapping around
-      for (int j = first[static_cast<std::size_t>(neighbour)];
-           j < first[static_cast<std::size_t>(neighbour) + 1]; ++j) {
-        const auto& b = spans[static_cast<std::size_t>(j)];
-        if (a.low <= b.high && b.low <= a.high) parent[static_cast<std::size_t>(root(j))] = root(i);
+      for (int j = first[neighbour]; j < first[static_cast<std::size_t>(neighbour) + 1]; ++j) {
+        const auto& b = spans[j];
+        if (a.low <= b.high && b.low <= a.high) parent[root(j)] = root(i);
       }
   }
   std::vector<int> number(spans.size(), -1);
   std::vector<std::vector<int>> pockets;
   for (int i = 0; i < static_cast<int>(spans.size()); ++i) {
-    int& n = number[static_cast<std::size_t>(root(i))];
+    int& n = number[root(i)];
     if (n < 0) {
       n = static_cast<int>(pockets.size());
       pockets.emplace_back();
     }
-    pockets[static_cast<std::size_t>(n)].push_back(i);
+    pockets[n].push_back(i);
   }
   return pockets;
 }
@@ -191,9 +190,9 @@ std::vector<std::vector<int>> CoveredSpace::pockets(const std::vector<Span>& spa
 // grid stands between the two.
 bool CoveredSpace::reaches_air(const std::vector<Span>& spans, const std::vector<int>& pocket) const {
   for (const int i : pocket) {
-    const auto& span = spans[static_cast<std::size_t>(i)];
+    const auto& span = spans[i];
     for (const int beside : {span.column - 1, span.column + 1, span.column - nx_, span.column + nx_}) {
-      const double low = std::max(span.low, top_[static_cast<std::size_t>(beside)]);
+      const double low = std::max(span.low, top_[beside]);
       if (low >= span.high) continue;
       const Eigen::Vector2d from = place(span.column), to = place(beside);
       const double z = (low + span.high) / 2;
@@ -213,7 +212,7 @@ std::vector<Undercut> CoveredSpace::undercuts(double floor) const {
     Undercut undercut{Eigen::Vector3d::Zero(), -1, 0};
     int last_column = -1;
     for (const int i : pocket) {
-      const auto& span = spans[static_cast<std::size_t>(i)];
+      const auto& span = spans[i];
       const double depth = depth_at(span.column, span.low + least_height() / 2, HUGE_VAL);
       if (depth > undercut.depth_mm) {
         const Eigen::Vector2d xy = place(span.column);
@@ -237,7 +236,7 @@ bool CoveredSpace::has_undercut(double floor, double depth, double area) const {
   for (const auto& pocket : pockets(spans)) {
     if (static_cast<double>(pocket.size()) * spacing_ * spacing_ <= area) continue;
     for (const int i : pocket) {
-      const auto& span = spans[static_cast<std::size_t>(i)];
+      const auto& span = spans[i];
       if (depth_at(span.column, span.low + least_height() / 2, depth) <= depth) continue;
       if (reaches_air(spans, pocket)) return true;
       break;

@@ -17,12 +17,37 @@ Eigen::Matrix3d turn_before_front(const ScanSettings& settings, UpAxis up) {
          upright_turn(up, 0, 0, 0);
 }
 
-std::optional<FrontSide> front_of_gltf(const ScanSettings& settings, UpAxis up) {
-  const Eigen::Vector3d front = turn_before_front(settings, up).col(2);
-  const double x = std::abs(front.x()), y = std::abs(front.y());
-  if (std::max(x, y) == 0 || std::abs(front.z()) > std::hypot(x, y)) return std::nullopt;
-  if (x > y) return front.x() > 0 ? FrontSide::plus_x : FrontSide::minus_x;
-  return front.y() > 0 ? FrontSide::plus_y : FrontSide::minus_y;
+std::optional<FrontSide> side_of(const ScanSettings& settings, UpAxis up, const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d turned = turn_before_front(settings, up) * direction;
+  const double x = std::abs(turned.x()), y = std::abs(turned.y());
+  if (std::max(x, y) == 0 || std::abs(turned.z()) > std::hypot(x, y)) return std::nullopt;
+  if (x > y) return turned.x() > 0 ? FrontSide::plus_x : FrontSide::minus_x;
+  return turned.y() > 0 ? FrontSide::plus_y : FrontSide::minus_y;
+}
+
+PatientAxes axes_of(PatientSpace space) {
+  const double left = space == PatientSpace::lps ? 1 : -1;
+  return {{left, 0, 0}, {0, -left, 0}, {0, 0, 1}};
+}
+
+std::optional<Warning> contradicted_space(PatientSpace space, const ScanSettings& settings, UpAxis up) {
+  if (space == PatientSpace::unknown) return std::nullopt;
+  constexpr double least = 0.64;  // the cosine of 50 degrees
+  const PatientAxes file = axes_of(space);
+  const Eigen::Matrix3d turn = scan_turn(settings, up);
+  const Eigen::Vector3d left = turn * file.left, front = turn * file.front, head = turn * file.head;
+  std::string wrong;
+  const auto add = [&](const char* what, bool is_right) {
+    if (!is_right) wrong.append(wrong.empty() ? "" : " and ").append(what);
+  };
+  add("the crown up", head.z() >= least);
+  add("the face at +y", front.y() >= least);
+  add("the patient's left at -x", left.x() <= -least);
+  if (wrong.empty()) return std::nullopt;
+  Warning warning{"space-contradicted", "The file says SPACE=" + std::string(name(space)) +
+                                            ", but the settings do not bring " + wrong};
+  warning.place = "the whole scan";
+  return warning;
 }
 
 Eigen::Matrix3d scan_turn(const ScanSettings& settings, UpAxis up) {

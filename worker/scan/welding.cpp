@@ -49,7 +49,7 @@ std::vector<int> join_equal(const std::vector<Eigen::Vector3d>& vertices) {
   std::vector<int> order(vertices.size()), first(vertices.size());
   std::iota(order.begin(), order.end(), 0);
   const auto key = [&](int i) {
-    const auto& p = vertices[static_cast<std::size_t>(i)];
+    const auto& p = vertices[i];
     return std::make_tuple(p.x(), p.y(), p.z());
   };
   std::sort(order.begin(), order.end(), [&](int a, int b) {
@@ -58,8 +58,7 @@ std::vector<int> join_equal(const std::vector<Eigen::Vector3d>& vertices) {
   });
   for (std::size_t i = 0; i < order.size(); ++i) {
     const bool same = i > 0 && key(order[i]) == key(order[i - 1]);
-    first[static_cast<std::size_t>(order[i])] =
-        same ? first[static_cast<std::size_t>(order[i - 1])] : order[i];
+    first[order[i]] = same ? first[order[i - 1]] : order[i];
   }
   return first;
 }
@@ -84,8 +83,8 @@ void join_near(const std::vector<Eigen::Vector3d>& vertices, double tolerance, s
     for (auto x = low[0]; x <= high[0] && found < 0; ++x)
       for (auto y = low[1]; y <= high[1] && found < 0; ++y)
         for (auto z = low[2]; z <= high[2] && found < 0; ++z)
-          for (int j = table.head({x, y, z}); j >= 0 && found < 0; j = chain[static_cast<std::size_t>(j)])
-            if ((vertices[static_cast<std::size_t>(j)] - p).cwiseAbs().maxCoeff() <= tolerance) found = j;
+          for (int j = table.head({x, y, z}); j >= 0 && found < 0; j = chain[j])
+            if ((vertices[j] - p).cwiseAbs().maxCoeff() <= tolerance) found = j;
     if (found >= 0) {
       stands_for[i] = found;
     } else {
@@ -94,7 +93,7 @@ void join_near(const std::vector<Eigen::Vector3d>& vertices, double tolerance, s
       head = static_cast<int>(i);
     }
   }
-  for (auto& s : stands_for) s = stands_for[static_cast<std::size_t>(s)];
+  for (auto& s : stands_for) s = stands_for[s];
 }
 
 void drop_repeated_triangles(std::vector<Triangle>& triangles) {
@@ -110,7 +109,7 @@ void drop_repeated_triangles(std::vector<Triangle>& triangles) {
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     const auto& t = sorted[i].first;
     const bool repeated = i > 0 && t == sorted[i - 1].first;
-    drop[static_cast<std::size_t>(sorted[i].second)] = repeated || t[0] == t[1] || t[1] == t[2];
+    drop[sorted[i].second] = repeated || t[0] == t[1] || t[1] == t[2];
   }
   std::size_t kept = 0;
   for (std::size_t i = 0; i < triangles.size(); ++i)
@@ -129,9 +128,9 @@ Box middle_box(const TriangleMesh& mesh) {
   for (int axis = 0; axis < 3; ++axis) {
     for (std::size_t i = 0; i < values.size(); ++i) values[i] = mesh.vertices[i][axis];
     std::nth_element(values.begin(), values.begin() + low, values.end());
-    box.low[axis] = values[static_cast<std::size_t>(low)];
+    box.low[axis] = values[low];
     std::nth_element(values.begin(), values.begin() + high, values.end());
-    box.high[axis] = values[static_cast<std::size_t>(high)];
+    box.high[axis] = values[high];
   }
   return box;
 }
@@ -145,7 +144,7 @@ void weld(TriangleMesh& mesh, double tolerance) {
   // Cells smaller than the rounding of that coordinate could not be numbered.
   if (tolerance > 1e-17 * largest) join_near(mesh.vertices, tolerance, stands_for);
   for (auto& t : mesh.triangles)
-    for (int& v : t) v = stands_for[static_cast<std::size_t>(v)];
+    for (int& v : t) v = stands_for[v];
   drop_repeated_triangles(mesh.triangles);
   drop_unused_vertices(mesh);
 }

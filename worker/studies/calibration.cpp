@@ -7,7 +7,7 @@
 #include "api/base/decimal.hpp"
 #include "worker/forming/formed_sheet.hpp"
 #include "worker/numerics/dense.hpp"
-#include "worker/stage/portion.hpp"
+#include "worker/stage/sub_progress.hpp"
 #include "worker/studies/bayesian_fit.hpp"
 #include "worker/studies/inked_places.hpp"
 
@@ -121,7 +121,7 @@ class Search {
   }
 
  private:
-  const Parameter& parameter(Index k) const { return parameters_[static_cast<std::size_t>(k)]; }
+  const Parameter& parameter(Index k) const { return parameters_[k]; }
 
   Settings settings_at(const VectorXd& t) const {
     Settings s = settings_;
@@ -132,7 +132,7 @@ class Search {
   Result<VectorXd> places(const Settings& s) {
     ++formings_;
     VACUFORM_CHECK(context_.step(Stage::forming, done_));
-    const Portion portion(context_, Stage::forming, done_, done_);
+    const SubProgress portion(context_, {Stage::forming, done_, done_});
     FormingSettings forming = s.forming;
     forming.quality = FormingQuality::standard;  // the grids are chosen here
     VACUFORM_TRY(sheet,

@@ -9,7 +9,7 @@
 
 #include "worker/forming/formed_sheet.hpp"
 #include "worker/forming/sheet_map.hpp"
-#include "worker/stage/portion.hpp"
+#include "worker/stage/sub_progress.hpp"
 
 namespace vacuform {
 
@@ -27,9 +27,7 @@ double slope_at(const FormedSheet& sheet, int vertex) {
   double steepest = 0;
   for (const Triangle& t : sheet.triangles) {
     if (t[0] != vertex && t[1] != vertex && t[2] != vertex) continue;
-    const Eigen::Vector3d &a = sheet.formed[static_cast<std::size_t>(t[0])],
-                          &b = sheet.formed[static_cast<std::size_t>(t[1])],
-                          &c = sheet.formed[static_cast<std::size_t>(t[2])];
+    const Eigen::Vector3d &a = sheet.formed[t[0]], &b = sheet.formed[t[1]], &c = sheet.formed[t[2]];
     const Eigen::Vector3d n = (b - a).cross(c - a);
     steepest = std::max(steepest, std::atan2(n.head<2>().norm(), n.z()));
   }
@@ -60,8 +58,8 @@ Refinement compare(const FormedSheet& coarse, const FormedSheet& fine) {
     head.push_back(distance);
     if (distance > worst) worst = distance, worst_vertex = static_cast<int>(i);
   }
-  out.worst_rest = fine.rest[static_cast<std::size_t>(worst_vertex)];
-  out.worst_formed = fine.formed[static_cast<std::size_t>(worst_vertex)];
+  out.worst_rest = fine.rest[worst_vertex];
+  out.worst_formed = fine.formed[worst_vertex];
   out.worst_degrees = slope_at(fine, worst_vertex);
   out.head = statistics_of(std::move(head));
   out.sheet = statistics_of(std::move(sheet));
@@ -93,7 +91,7 @@ Result<Convergence> converge(const Prepared& prepared, const Settings& settings,
     s.sheet.resolution_mm = factors[k] * settings.sheet.resolution_mm;
     const double from = done / whole;
     done += std::pow(factors[k], -3);
-    const Portion portion(context, Stage::forming, from, done / whole);
+    const SubProgress portion(context, {Stage::forming, from, done / whole});
     VACUFORM_TRY(fine,
                  form(prepared.mold, s.sheet, s.machine, s.forming, prepared.temperature, portion.context()));
     if (k > 0) {

@@ -21,8 +21,8 @@ constexpr std::size_t most_patches = 1000;
 
 // Formed over flat area of a triangle of the inked face.
 double ratio_of(const InkedSurface& surface, int triangle) {
-  const Triangle& t = surface.triangles()[static_cast<std::size_t>(triangle)];
-  const auto at = [&](const auto& points, std::size_t k) { return points[static_cast<std::size_t>(t[k])]; };
+  const Triangle& t = surface.triangles()[triangle];
+  const auto at = [&](const auto& points, std::size_t k) { return points[t[k]]; };
   const Vector3d p = at(surface.inked(), 1) - at(surface.inked(), 0),
                  q = at(surface.inked(), 2) - at(surface.inked(), 0);
   const Vector2d a = at(surface.rest(), 1) - at(surface.rest(), 0),

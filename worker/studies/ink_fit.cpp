@@ -97,7 +97,7 @@ Result<InkFit> fit_ink_curve(const std::vector<InkPatch>& patches, const std::ve
   for (const MeasuredInk& m : measured) {
     const InkPatch& patch = patches[m.patch];
     if (patch.coverage > 0)
-      samples[static_cast<std::size_t>(patch.ink)][to_thousandths(patch.coverage)].push_back(
+      samples[patch.ink][to_thousandths(patch.coverage)].push_back(
           {patch.area_ratio, std::min(m.shown, 1.0)});
   }
   std::array<InkCurveRows, 3> lines;  // printed and ink

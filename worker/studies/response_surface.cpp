@@ -32,14 +32,13 @@ std::vector<DesignPoint> central_composite(int parameters) {
     out.push_back({u, spacing});
     out.push_back({-u, spacing});
   };
-  for (int k = 0; k < parameters; ++k)
-    pair(VectorXd::Unit(parameters, k), axis_spacing[static_cast<std::size_t>(k)]);
+  for (int k = 0; k < parameters; ++k) pair(VectorXd::Unit(parameters, k), axis_spacing[k]);
   for (int c = 0; c < 4; ++c) {
     const double a = c & 1 ? 1 : -1, b = c & 2 ? 1 : -1;
     VectorXd u(parameters);
     u.head(3) << 1, a, b;
     if (parameters == 4) u[3] = a * b;
-    pair(corner * u, corner_spacing[static_cast<std::size_t>(c)]);
+    pair(corner * u, corner_spacing[c]);
   }
   for (const double spacing : centre_spacing) out.push_back({VectorXd::Zero(parameters), spacing});
   return out;
@@ -51,7 +50,7 @@ ResponseSurface::ResponseSurface(const std::vector<DesignPoint>& design, const M
   MatrixXd odd(pairs, n), even(grids, n + 2), odd_y(pairs, outputs.cols()), even_y(grids, outputs.cols());
   for (Index g = 0; g < grids; ++g) {
     const Index row = g < pairs ? 2 * g : pairs + g;
-    const DesignPoint& at = design[static_cast<std::size_t>(row)];
+    const DesignPoint& at = design[row];
     even(g, 0) = 1, even(g, 1) = at.spacing * at.spacing - 1;
     even.row(g).tail(n) = at.u.cwiseAbs2().transpose();
     if (g < pairs) {

@@ -7,7 +7,7 @@
 #include "api/base/decimal.hpp"
 #include "worker/forming/process.hpp"
 #include "worker/forming/sheet_map.hpp"
-#include "worker/stage/portion.hpp"
+#include "worker/stage/sub_progress.hpp"
 
 namespace vacuform {
 
@@ -107,8 +107,8 @@ Result<std::vector<Variant>> form_variants(const Mold& mold, const Settings& set
     out.push_back({c.id, c.text, {}});
     if (!fits(mold, c.settings)) continue;
     const double n = static_cast<double>(all.size());
-    const Portion portion(context, Stage::forming, static_cast<double>(k) / n,
-                          static_cast<double>(k + 1) / n);
+    const SubProgress portion(context,
+                              {Stage::forming, static_cast<double>(k) / n, static_cast<double>(k + 1) / n});
     auto sheet = form(mold, c.settings.sheet, c.settings.machine, c.settings.forming, c.temperature,
                       portion.context());
     if (sheet)
@@ -135,7 +135,7 @@ std::vector<PrintedCoil> printed_coils(const std::vector<CoilCentre>& centres, c
   for (const CoilCentre& centre : centres) {
     out.push_back({centre.id, {}});
     if (auto at = charts.find(centre.uv)) {
-      at->triangle = flattening.triangles[static_cast<std::size_t>(at->triangle)];
+      at->triangle = flattening.triangles[at->triangle];
       out.back().rest = interpolate(sheet.triangles, *at, sheet.rest);
     }
   }

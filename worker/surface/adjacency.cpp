@@ -29,7 +29,7 @@ std::vector<Edge> edges_of(const std::vector<Triangle>& triangles) {
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<Edge> edges(3 * triangles.size());
   std::vector<std::size_t> next(begin.begin(), begin.end());
-  each([&](const Edge& edge) { edges[next[static_cast<std::size_t>(edge.low)]++] = edge; });
+  each([&](const Edge& edge) { edges[next[edge.low]++] = edge; });
   for (std::size_t v = 0; v + 1 < begin.size(); ++v)
     std::sort(edges.begin() + static_cast<std::ptrdiff_t>(begin[v]),
               edges.begin() + static_cast<std::ptrdiff_t>(begin[v + 1]), [](const Edge& x, const Edge& y) {
@@ -46,8 +46,8 @@ std::vector<int> opposite_sides(const std::vector<Triangle>& triangles) {
   for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
     while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
     if (end - i != 2) continue;
-    opposite[static_cast<std::size_t>(edges[i].side)] = edges[i + 1].side;
-    opposite[static_cast<std::size_t>(edges[i + 1].side)] = edges[i].side;
+    opposite[edges[i].side] = edges[i + 1].side;
+    opposite[edges[i + 1].side] = edges[i].side;
   }
   return opposite;
 }
@@ -93,7 +93,7 @@ VertexFans::VertexFans(const std::vector<Triangle>& triangles, std::size_t verti
   for (const Triangle& t : triangles)
     for (std::size_t k = 0; k < 3; ++k)
       for (std::size_t other = 1; other < 3; ++other)
-        corners_[static_cast<std::size_t>(next[static_cast<std::size_t>(t[k])]++)] = t[(k + other) % 3];
+        corners_[next[static_cast<std::size_t>(t[k])]++] = t[(k + other) % 3];
 }
 
 VertexTriangles::VertexTriangles(const std::vector<Triangle>& triangles, std::size_t vertices)
@@ -103,8 +103,7 @@ VertexTriangles::VertexTriangles(const std::vector<Triangle>& triangles, std::si
   std::partial_sum(first_.begin(), first_.end(), first_.begin());
   std::vector<int> next(first_.begin(), first_.end() - 1);
   for (std::size_t t = 0; t < triangles.size(); ++t)
-    for (const int v : triangles[t])
-      of_vertex_[static_cast<std::size_t>(next[static_cast<std::size_t>(v)]++)] = static_cast<int>(t);
+    for (const int v : triangles[t]) of_vertex_[next[static_cast<std::size_t>(v)]++] = static_cast<int>(t);
 }
 
 }  // namespace vacuform

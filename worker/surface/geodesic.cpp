@@ -100,9 +100,8 @@ void GeodesicWalk::cross(int corner) {
     ended_ = true;
     return;
   }
-  const Triangle &from = surface_->triangles()[static_cast<std::size_t>(t)],
-                 &to = surface_->triangles()[static_cast<std::size_t>(n)];
-  const auto at = [](const Triangle& triangle, int k) { return triangle[static_cast<std::size_t>(k)]; };
+  const Triangle &from = surface_->triangles()[t], &to = surface_->triangles()[n];
+  const auto at = [](const Triangle& triangle, int k) { return triangle[k]; };
   Vector3d weights = Vector3d::Zero();
   int entry = 0;
   for (int k = 0; k < 3; ++k) {
@@ -115,9 +114,7 @@ void GeodesicWalk::cross(int corner) {
       entry = k;
   }
   const auto& place = surface_->inked();
-  const Vector3d edge = (place[static_cast<std::size_t>(at(from, (corner + 2) % 3))] -
-                         place[static_cast<std::size_t>(at(from, (corner + 1) % 3))])
-                            .normalized();
+  const Vector3d edge = (place[at(from, (corner + 2) % 3)] - place[at(from, (corner + 1) % 3)]).normalized();
   const Vector3d outward = -surface_->gradient(t, corner).normalized(),
                  inward = surface_->gradient(n, entry).normalized();
   along_ = (along_.dot(edge) * edge + along_.dot(outward) * inward).normalized();

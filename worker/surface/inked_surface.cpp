@@ -14,7 +14,7 @@ InkedSurface::InkedSurface(std::vector<Triangle> triangles, std::vector<Vector3d
   faces_.reserve(this->triangles().size());
   for (const Triangle& t : this->triangles()) {
     std::array<Vector3d, 3> p;
-    for (std::size_t k = 0; k < 3; ++k) p[k] = this->inked()[static_cast<std::size_t>(t[k])];
+    for (std::size_t k = 0; k < 3; ++k) p[k] = this->inked()[t[k]];
     Face face{(p[1] - p[0]).cross(p[2] - p[0]), {}};
     const double square = face.normal.squaredNorm();
     for (std::size_t k = 0; k < 3; ++k)
@@ -26,11 +26,11 @@ InkedSurface::InkedSurface(std::vector<Triangle> triangles, std::vector<Vector3d
 }
 
 Vector3d InkedSurface::axis(int t, const std::vector<Vector2d>& flat) const {
-  const Triangle& corners = triangles()[static_cast<std::size_t>(t)];
+  const Triangle& corners = triangles()[t];
   // Rows of the map from the triangle's plane to `flat`. The nearest rotation sends a + normal x b to (twice) the axis.
   Vector3d a = Vector3d::Zero(), b = Vector3d::Zero();
   for (int k = 0; k < 3; ++k) {
-    const Vector2d& at = flat[static_cast<std::size_t>(corners[static_cast<std::size_t>(k)])];
+    const Vector2d& at = flat[corners[static_cast<std::size_t>(k)]];
     a += at.x() * gradient(t, k);
     b += at.y() * gradient(t, k);
   }

@@ -26,11 +26,9 @@ class InkedSurface {
     return opposite < 0 ? -1 : opposite / 3;
   }
   // Outward unit normal of a triangle; zero where it has no area.
-  const Eigen::Vector3d& normal(int t) const { return faces_[static_cast<std::size_t>(t)].normal; }
+  const Eigen::Vector3d& normal(int t) const { return faces_[t].normal; }
   // Change of the barycentric weight k per millimetre, a vector in the triangle's plane; zero without area.
-  const Eigen::Vector3d& gradient(int t, int k) const {
-    return faces_[static_cast<std::size_t>(t)].gradient[static_cast<std::size_t>(k)];
-  }
+  const Eigen::Vector3d& gradient(int t, int k) const { return faces_[t].gradient[k]; }
   const PathMesh& path_mesh() const { return path_mesh_; }
 
   Eigen::Vector3d place(const SheetPoint& p) const { return interpolate(triangles(), p, inked()); }  // mm

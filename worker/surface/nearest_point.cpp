@@ -16,8 +16,7 @@ Vector3d nearest_weights(const Vector3d& p, const std::array<Vector3d, 3>& corne
   if (const double square = normal.squaredNorm(); square > 0) {
     Vector3d w;
     for (int k = 0; k < 3; ++k) {
-      const Vector3d &b = corner[static_cast<std::size_t>((k + 1) % 3)],
-                     &c = corner[static_cast<std::size_t>((k + 2) % 3)];
+      const Vector3d &b = corner[(k + 1) % 3], &c = corner[(k + 2) % 3];
       w[k] = (b - p).cross(c - p).dot(normal) / square;
     }
     if (w.minCoeff() >= 0) return w / w.sum();
@@ -25,8 +24,7 @@ Vector3d nearest_weights(const Vector3d& p, const std::array<Vector3d, 3>& corne
   Vector3d best = Vector3d::UnitX();
   double least = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
-    const Vector3d &a = corner[static_cast<std::size_t>(k)],
-                   &b = corner[static_cast<std::size_t>((k + 1) % 3)];
+    const Vector3d &a = corner[k], &b = corner[(k + 1) % 3];
     const double f = nearest_on_edge(p, a, b), d = (a + f * (b - a) - p).squaredNorm();
     if (d >= least) continue;
     least = d;
@@ -44,9 +42,9 @@ NearestPoint nearest_point(const std::vector<Triangle>& triangles, const std::ve
   NearestPoint best;
   best.distance_mm = std::numeric_limits<double>::infinity();
   for (const int t : which) {
-    const Triangle& corners = triangles[static_cast<std::size_t>(t)];
+    const Triangle& corners = triangles[t];
     std::array<Vector3d, 3> p;
-    for (std::size_t k = 0; k < 3; ++k) p[k] = places[static_cast<std::size_t>(corners[k])];
+    for (std::size_t k = 0; k < 3; ++k) p[k] = places[corners[k]];
     const Vector3d w = nearest_weights(place, p);
     const double d = (w[0] * p[0] + w[1] * p[1] + w[2] * p[2] - place).norm();
     if (d < best.distance_mm) best = {{t, w}, d};

@@ -24,8 +24,7 @@ PathMesh::PathMesh(std::vector<Triangle> triangles, std::vector<Vector3d> places
     sides_[s].opposite = opposite[s];
     if (opposite[s] >= 0) continue;
     for (std::size_t end = 1; end < 3; ++end)
-      total_angles_[static_cast<std::size_t>(triangles_[s / 3][(s % 3 + end) % 3])] =
-          std::numeric_limits<double>::infinity();
+      total_angles_[triangles_[s / 3][(s % 3 + end) % 3]] = std::numeric_limits<double>::infinity();
   }
   for (std::size_t s = 0; s < sides_.size(); ++s) {
     const int t = static_cast<int>(s / 3), k = static_cast<int>(s % 3);
@@ -36,7 +35,7 @@ PathMesh::PathMesh(std::vector<Triangle> triangles, std::vector<Vector3d> places
       side.foot = (c - a).dot(b - a) / side.length;
       side.height = (c - a).cross(b - a).norm() / side.length;
     }
-    total_angles_[static_cast<std::size_t>(corner(t, k))] += angle(static_cast<int>(s));
+    total_angles_[corner(t, k)] += angle(static_cast<int>(s));
   }
 }
 

@@ -21,16 +21,14 @@ class PathMesh {
     double foot = 0,
            height = 0;  // of the corner opposite, along the side from its beginning and across it, mm
   };
-  const Side& side(int s) const { return sides_[static_cast<std::size_t>(s)]; }
-  int corner(int triangle, int k) const {
-    return triangles_[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(k % 3)];
-  }
-  const Eigen::Vector3d& place(int vertex) const { return places_[static_cast<std::size_t>(vertex)]; }
+  const Side& side(int s) const { return sides_[s]; }
+  int corner(int triangle, int k) const { return triangles_[triangle][k % 3]; }
+  const Eigen::Vector3d& place(int vertex) const { return places_[vertex]; }
   const std::vector<Triangle>& triangles() const { return triangles_; }
   const std::vector<Eigen::Vector3d>& places() const { return places_; }
 
   // The sum of the angles around a vertex, radians; infinite on the border.
-  double total_angle(int vertex) const { return total_angles_[static_cast<std::size_t>(vertex)]; }
+  double total_angle(int vertex) const { return total_angles_[vertex]; }
   // Whether that is more than a full turn: a shortest path may bend at such a vertex, and leaves at least half a turn
   // on either side of it.
   bool is_saddle(int vertex) const;

@@ -73,7 +73,7 @@ std::optional<SheetPoint> PlaneLocator::find(const Eigen::Vector2d& point) const
   const std::size_t at = cell(point);
   for (std::size_t i = first_[at]; i < first_[at + 1]; ++i) {
     const int k = entries_[i];
-    const Triangle& t = triangles_[static_cast<std::size_t>(k)];
+    const Triangle& t = triangles_[k];
     const Eigen::Vector2d a = plane_[index(t[0])], b = plane_[index(t[1])] - a, c = plane_[index(t[2])] - a,
                           p = point - a;
     const double whole = cross(b, c);

@@ -28,8 +28,8 @@ void scan_triangle(const std::array<Eigen::Vector2d, 3>& p, int columns, int fir
     double x[2];
     int crossings = 0;
     for (int e = 0; e < 3; ++e) {
-      const Eigen::Vector2d* a = &p[static_cast<std::size_t>(e)];
-      const Eigen::Vector2d* b = &p[static_cast<std::size_t>((e + 1) % 3)];
+      const Eigen::Vector2d* a = &p[e];
+      const Eigen::Vector2d* b = &p[(e + 1) % 3];
       if (a->y() > b->y()) std::swap(a, b);
       if (!(a->y() <= y && y < b->y()) || crossings == 2) continue;
       x[crossings++] = a->x() + (y - a->y()) * ((b->x() - a->x()) / (b->y() - a->y()));

@@ -18,11 +18,9 @@ struct SheetPoint {
 // The value at a point of values per vertex.
 template <class Values>
 auto interpolate(const std::vector<Triangle>& triangles, const SheetPoint& at, const Values& values) {
-  const Triangle& t = triangles[static_cast<std::size_t>(at.triangle)];
+  const Triangle& t = triangles[at.triangle];
   using Value = std::decay_t<decltype(values[0])>;
-  return Value(at.weights[0] * values[static_cast<std::size_t>(t[0])] +
-               at.weights[1] * values[static_cast<std::size_t>(t[1])] +
-               at.weights[2] * values[static_cast<std::size_t>(t[2])]);
+  return Value(at.weights[0] * values[t[0]] + at.weights[1] * values[t[1]] + at.weights[2] * values[t[2]]);
 }
 
 }  // namespace vacuform

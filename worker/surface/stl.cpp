@@ -19,7 +19,7 @@ std::vector<std::uint8_t> stl_bytes(const TriangleMesh& mesh) {
   put32(static_cast<std::uint32_t>(mesh.triangles.size()));
   for (const auto& t : mesh.triangles) {
     put_point(area_vector(mesh, t).normalized());
-    for (const int v : t) put_point(mesh.vertices[static_cast<std::size_t>(v)]);
+    for (const int v : t) put_point(mesh.vertices[v]);
     bytes.push_back(0);
     bytes.push_back(0);
   }

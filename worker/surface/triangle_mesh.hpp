@@ -16,9 +16,9 @@ struct TriangleMesh {
 
 // The normal of a triangle times its area, mm^2.
 inline Eigen::Vector3d area_vector(const TriangleMesh& mesh, const Triangle& t) {
-  const auto& a = mesh.vertices[static_cast<std::size_t>(t[0])];
-  const auto& b = mesh.vertices[static_cast<std::size_t>(t[1])];
-  const auto& c = mesh.vertices[static_cast<std::size_t>(t[2])];
+  const auto& a = mesh.vertices[t[0]];
+  const auto& b = mesh.vertices[t[1]];
+  const auto& c = mesh.vertices[t[2]];
   return (b - a).cross(c - a) / 2;
 }
 

@@ -1,5 +1,5 @@
 // Bytes that change on the disk without a trace: they are noticed when a file is read whole, and at the latest after an hour.
-#include "server/store/file_blobs.hpp"
+#include "server/store/blobs/files/file_blobs.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -55,7 +55,7 @@ TEST_F(BlobsTest, AFileIsTrustedForAWhileAndThenLookedAtAgain) {
     EXPECT_TRUE(blobs->open(hash));
     rot(place_of(data_, hash));
     EXPECT_EQ(blobs->open(hash).has_value(), !found);
-    if (const auto again = blobs->open(hash)) (*again)->doubt();
+    if (const auto again = blobs->open(hash)) (*again)->invalidate();
     EXPECT_EQ(blobs->open(hash).error().code, Code::gone);
     blobs->collect(hash, [](const std::string&) { return false; });
     EXPECT_FALSE(fs::exists(place_of(data_, hash)));

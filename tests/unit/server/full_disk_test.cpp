@@ -269,7 +269,7 @@ TEST_F(FullDisk, NewFilesLeaveRoomForTheRest) {
   EXPECT_TRUE(started->write("ten bytes."));
   EXPECT_EQ(started->write("ten bytes and one").error().code, Code::disk_full);
   EXPECT_EQ(store->room_for(11).error().code, Code::disk_full);
-  EXPECT_EQ(store->add_upload({"1", "station", "scan", "stl", 11, now(), now() + 1, {}}).error().code,
+  EXPECT_EQ(store->add_upload({"1", "station", "scan", "stl", "key", 11, now(), now() + 1, {}}).error().code,
             Code::disk_full);
   say_free((3 << 20) - 1);
   EXPECT_EQ(create(*store, "another").error().code, Code::disk_full);

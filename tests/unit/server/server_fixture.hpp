@@ -11,6 +11,7 @@
 #include <string>
 
 #include "api/base/secrets.hpp"
+#include "api/redaction/redaction.hpp"
 #include "server/access/tokens.hpp"
 #include "server/http/server.hpp"
 #include "server/routes/routes.hpp"
@@ -29,6 +30,13 @@ struct Answer {
     return head.substr(begin, head.find("\r\n", begin) - begin);
   }
 };
+
+// What is stored of "<svg/>".
+inline std::string stored_svg() {
+  std::vector<std::uint8_t> bytes{'<', 's', 'v', 'g', '/', '>'};
+  EXPECT_TRUE(redact(bytes, "p.svg"));
+  return {bytes.begin(), bytes.end()};
+}
 
 class ServerTest : public testing::Test {
  protected:

@@ -90,9 +90,9 @@ TEST_F(ServerPatience, ASlowBodyIsEndedAndLeavesNothing) {
   EXPECT_TRUE(std::filesystem::is_empty(data_ / "incoming"));
 }
 
-// The route reads a body that is too long for memory; a form on a page answers with an HTML page.
+// The route reads a body that is too long for memory.
 TEST_F(ServerPatience, ASlowLargeBodyIsEndedAndLeavesNothing) {
-  for (const char* path : {"/api/v1/jobs", "/jobs", "/api/v1/scans"}) {
+  for (const char* path : {"/api/v1/jobs", "/api/v1/validate", "/api/v1/scans"}) {
     const int socket = connected();
     send_all(socket, std::string("POST ") + path + " HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) +
                          form_type + "Content-Length: 1000000\r\n\r\n" + part("scan", "a.stl", "half"));
@@ -198,7 +198,7 @@ TEST_F(ServerLimits, EveryRouteBoundsItsBodyBeforeItsBytes) {
                                    {"POST /sign-out", "4096 bytes"},
                                    {"GET /healthz", "73728 bytes"},
                                    {"POST /api/v1/scans", "1025 MiB"},
-                                   {"POST /jobs", "1413 MiB"},
+                                   {"POST /api/v1/validate", "1413 MiB"},
                                    {"POST /api/v1/tokens", "73728 bytes"},
                                    {"PUT /api/v1/profiles/a", "73728 bytes"},
                                    {"POST /api/v1/leases", "73728 bytes"},
@@ -211,7 +211,7 @@ TEST_F(ServerLimits, EveryRouteBoundsItsBodyBeforeItsBytes) {
 
 TEST_F(ServerLimits, TheTokenIsCheckedBeforeTheBody) {
   for (const char* length : {"100", "5000", "1000000000"})
-    for (const char* line : {"POST /api/v1/jobs", "POST /api/v1/scans", "POST /jobs"})
+    for (const char* line : {"POST /api/v1/jobs", "POST /api/v1/scans", "POST /api/v1/validate"})
       EXPECT_EQ(raw(std::string(line) + " HTTP/1.1\r\nHost: " + host() + "\r\n" + form_type +
                     "Content-Length: " + length + "\r\n\r\n")
                     .status,

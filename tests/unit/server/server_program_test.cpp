@@ -38,6 +38,7 @@ class ServerProgram : public testing::Test {
     fs::remove_all(folder_);
   }
 
+  bool has_nameless_file() const;
   fs::path data() const { return folder_ / "data"; }
   std::string said() const {
     std::stringstream text;
@@ -254,6 +255,15 @@ TEST_F(ServerProgram, OneServerAPort) {
   EXPECT_EQ(stop(SIGTERM), 0);
 }
 
+// Whether the server has a file open whose name is gone already.
+bool ServerProgram::has_nameless_file() const {
+  for (const auto& entry : fs::directory_iterator("/proc/" + std::to_string(process_) + "/fd")) {
+    std::error_code closed;
+    if (fs::read_symlink(entry, closed).string().starts_with((data() / "incoming").string())) return true;
+  }
+  return false;
+}
+
 TEST_F(ServerProgram, KilledInTheMiddleOfAnUploadItLeavesNoTrace) {
   serve();
   const std::string host = "127.0.0.1:" + std::to_string(port_);
@@ -266,7 +276,7 @@ TEST_F(ServerProgram, KilledInTheMiddleOfAnUploadItLeavesNoTrace) {
       first_line(data() / "admin-token") +
       "\r\nContent-Type: multipart/form-data; boundary=XX\r\nContent-Length: 10000000\r\n\r\n" + part;
   ASSERT_EQ(::send(socket, text.data(), text.size(), MSG_NOSIGNAL), static_cast<ssize_t>(text.size()));
-  ASSERT_TRUE(soon([&] { return !fs::is_empty(data() / "incoming"); }));
+  ASSERT_TRUE(soon([&] { return has_nameless_file(); }));
   EXPECT_EQ(stop(SIGKILL), -SIGKILL);
   ::close(socket);
   serve();

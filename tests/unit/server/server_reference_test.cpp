@@ -55,16 +55,6 @@ TEST_F(ServerReference, DoesNotFollowToAnotherScan) {
             202);
 }
 
-// The form of the plain pages is refused in the same way, and can confirm.
-TEST_F(ServerReference, IsRefusedInThePlainFormToo) {
-  ASSERT_EQ(print_of(one, reference("CASE-2000")).status, 202);
-  const Answer form = print_of(two, reference("CASE-2000"), "/jobs");
-  EXPECT_EQ(form.status, 409);
-  EXPECT_NE(form.body.find("the reference belongs to another head"), std::string::npos);
-  EXPECT_NE(form.body.find("name=\"rescan\""), std::string::npos);
-  EXPECT_EQ(print_of(two, reference("CASE-2000") + part("rescan", "", "true"), "/jobs").status, 303);
-}
-
 TEST_F(ServerReference, IsCorrectedWithATrace) {
   const json job = json::parse(print_of(one, reference("CASE-2000")).body);
   EXPECT_EQ(job["reference_changes"], json::array());

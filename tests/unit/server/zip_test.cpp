@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "api/base/secrets.hpp"
-#include "server/store/file_blobs.hpp"
+#include "server/store/blobs/files/file_blobs.hpp"
 
 namespace vacuform {
 namespace {

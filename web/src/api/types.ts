@@ -121,7 +121,8 @@ export interface Plan {
   reference: string;
   note: string;
   settings: Settings;
-  inputs: Record<string, Input & {format: 'stl' | 'obj' | 'ply' | 'off' | 'glb' | 'svg' | 'png' | 'jpeg' | 'csv'}>;
+  inputs: Record<string, Input & {format: 'stl' | 'obj' | 'ply' | 'off' | 'glb' | 'svg' | 'dxf' | 'png' | 'jpeg' |
+    'csv'}>;
 }
 
 export interface Session {

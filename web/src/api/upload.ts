@@ -1,5 +1,7 @@
 // Sends a large file in pieces by tus 1.0.0. It resumes where the server stands after every failure, and after a reload of
-// the page when the same file is given again.
+// the page when the same file is given again. tus-js-client speaks the protocol and is loaded with the first upload. This file
+// decides what a failure means and when to try again.
+import type {DetailedError, HttpRequest, HttpResponse, Upload as Tus} from 'tus-js-client';
 import {ask, hex, noServer, Problem, problemOf} from './client';
 
 export type TransferState = 'sending' | 'paused' | 'waiting' | 'done' | 'failed';
@@ -30,45 +32,12 @@ export interface Source {
 
 const uploads = '/api/v1/uploads';
 const path = (id: string): string => `${uploads}/${encodeURIComponent(id)}`;
-const version = {'Tus-Resumable': '1.0.0'};
 export const pieceBytes = 2 * 1024 * 1024;
 const idleLimit = 30_000;  // ms without progress after which a connection counts as dead
 const longestPause = 30_000;
 const forgiven = 4;        // failures in a row that are the server's answer and not the network's
-
-// Sends one piece. Status 0: no answer.
-export type SendPiece = (path: string, headers: Record<string, string>, body: Blob, progress: (sent: number) => void,
-                         signal: AbortSignal) => Promise<Response | null>;
-
-export const sendByXhr: SendPiece = (url, headers, body, progress, signal) => new Promise((resolve) => {
-  const request = new XMLHttpRequest();
-  let idle = 0;
-  const watch = (): void => {
-    clearTimeout(idle);
-    idle = setTimeout(() => request.abort(), idleLimit);
-  };
-  const stop = (): void => request.abort();
-  const end = (response: Response | null): void => {
-    clearTimeout(idle);
-    signal.removeEventListener('abort', stop);
-    resolve(response);
-  };
-  request.open('PATCH', url);
-  for (const [name, value] of Object.entries(headers)) request.setRequestHeader(name, value);
-  request.upload.onprogress = (event) => { watch(); progress(event.loaded); };
-  request.onload = () => {
-    const answered = new Headers();
-    for (const line of request.getAllResponseHeaders().trim().split(/[\r\n]+/)) {
-      const at = line.indexOf(':');
-      if (at > 0) answered.append(line.slice(0, at), line.slice(at + 1).trim());
-    }
-    end(new Response(request.status === 204 ? null : request.responseText, {status: request.status, headers: answered}));
-  };
-  request.onerror = request.onabort = () => end(null);
-  signal.addEventListener('abort', stop);
-  watch();
-  request.send(body);
-});
+const patient = [0, 423, 429, 503];  // no answer, or one that asks for patience
+const passing = [...patient, 404, 408, 409, 410, 460, 500, 502, 504];  // another attempt may end otherwise
 
 async function digest(bytes: ArrayBuffer): Promise<Uint8Array | null> {
   return globalThis.crypto?.subtle ? new Uint8Array(await crypto.subtle.digest('SHA-256', bytes)) : null;
@@ -86,149 +55,165 @@ export const extensionOf = (name: string): string =>
   /\.([A-Za-z0-9]{1,8})$/.exec(name)?.[1]?.toLowerCase() ?? '';
 
 export function removeUpload(id: string): void {
-  ask(path(id), {method: 'DELETE', headers: version}).catch(() => {});  // it expires anyway
+  ask(path(id), {method: 'DELETE', headers: {'Tus-Resumable': '1.0.0'}}).catch(() => {});  // it expires anyway
 }
 
-export function startUpload(source: Source, watcher: Watcher, send: SendPiece = sendByXhr, now = (): number => Date.now()): Upload {
-  const {file} = source;
-  let id = source.id;
-  let offset: number | null = id ? null : 0;  // null: ask the server
-  let state: TransferState = 'sending';
-  let failures = 0, answers = 0;
-  let running = false, over = false;
-  let cut = new AbortController();
-  let wake = (): void => {};
-  let samples: {time: number; sent: number}[] = [];
+// Returns at once; the file is on its way until `watcher` hears that it is done or failed.
+export function startUpload(source: Source, watcher: Watcher): Upload {
+  const upload = new Sending(source, watcher);
+  upload.resume();
+  return upload;
+}
 
-  function tell(sent: number, problem: Problem | null = null): void {
-    const time = now();
-    if (state === 'sending') samples = [...samples.filter((sample) => time - sample.time < 8000), {time, sent}];
-    const first = samples[0];
+class Sending implements Upload {
+  #id: string | null;
+  #state: TransferState = 'paused';
+  #tus: Tus | null = null;
+  #turn = {};         // another one whenever an attempt ends: what an older attempt still reports is ignored
+  #failures = 0;      // in a row
+  #answers = 0;       // of these, the server's
+  #timer = 0;         // ends an idle connection or a pause
+  #checksum = '';     // of the piece that is sent next
+  #told = 0;          // when the progress was told last
+  #samples: {time: number; sent: number}[] = [];
+
+  constructor(private readonly source: Source, private readonly watcher: Watcher) {
+    this.#id = source.id;
+    globalThis.addEventListener?.('online', this.#goOn);
+  }
+
+  pause(): void {
+    if (this.#state === 'done' || this.#state === 'paused') return;
+    this.#halt();
+    this.#state = 'paused';
+    this.#tell();
+  }
+  resume(): void {
+    if (this.#state === 'done' || this.#state === 'sending') return;
+    this.#state = 'sending';
+    this.#failures = this.#answers = 0;
+    this.#samples = [];
+    void this.#attempt();
+  }
+  abort(): void {
+    this.#end();
+    if (this.#id) removeUpload(this.#id);
+  }
+
+  #tell(sent = this.#samples.at(-1)?.sent ?? 0, problem: Problem | null = null): void {
+    const time = this.#told = Date.now(), bytes = this.source.file.size, state = this.#state;
+    if (state === 'sending') this.#samples = [...this.#samples.filter((sample) => time - sample.time < 8000), {time, sent}];
+    const first = this.#samples[0];
     const seconds = first ? (time - first.time) / 1000 : 0;
     const speed = first && seconds > 0.5 && sent > first.sent ? (sent - first.sent) / seconds : null;
-    watcher.progress({state, sent, bytes: file.size, speed, left: speed && (file.size - sent) / speed, problem});
+    this.watcher.progress({state, sent, bytes, speed, left: speed && (bytes - sent) / speed, problem});
   }
 
-  async function create(): Promise<void> {
-    const metadata = `filename ${btoa(`file.${source.extension}`)},input ${btoa(source.input)}`;
-    const answer = await ask(uploads, {
-      method: 'POST', headers: {...version, 'Upload-Length': String(file.size), 'Upload-Metadata': metadata}, signal: cut.signal});
-    id = answer.headers.get('Location')?.split('/').pop() ?? '';
-    offset = 0;
-    watcher.started(id);
+  // One attempt: from the offset that the server has to the end, or to the first failure.
+  async #attempt(): Promise<void> {
+    this.#halt();
+    const turn = this.#turn, over = (): boolean => turn !== this.#turn;
+    try {
+      const {Upload: Client} = await import('tus-js-client');
+      if (over()) return;
+      const tus = this.#tus = new Client(this.source.file, {
+        endpoint: uploads, chunkSize: pieceBytes, retryDelays: null, storeFingerprintForResuming: false,
+        metadata: {filename: `file.${this.source.extension}`, input: this.source.input},
+        fileReader: {openFile: async () => ({size: this.source.file.size, slice: (from, to) => this.#slice(from, to), close() {}})},
+        onBeforeRequest: (request) => {
+          if (over()) throw new Error('the attempt is over');
+          this.#watch();
+          if (request.getMethod() === 'PATCH' && this.#checksum) request.setHeader('Upload-Checksum', this.#checksum);
+        },
+        onAfterResponse: (request, response) => this.#check(request, response),
+        onUploadUrlAvailable: () => {
+          const id = tus.url?.split('/').pop() ?? '';
+          if (id !== this.#id) this.watcher.started(this.#id = id);
+        },
+        onProgress: (sent) => {
+          if (over()) return;
+          this.#watch();
+          if (Date.now() - this.#told >= 200) this.#tell(sent);
+        },
+        onChunkComplete: () => { this.#failures = this.#answers = 0; },
+        onSuccess: () => {
+          this.#end();
+          this.#tell(this.source.file.size);
+          this.watcher.done(this.#id ?? '');
+        },
+        onError: (error) => {
+          const cause = (error as DetailedError).causingError;
+          if (!over()) this.#recover(cause instanceof Problem ? cause : noServer(error));
+        }});
+      this.#told = 0;
+      tus.url = this.#id && path(this.#id);
+      tus.start();
+    } catch (error) {
+      if (!over()) this.#recover(noServer(error));  // the library cannot be loaded
+    }
   }
 
-  async function askOffset(known: string): Promise<void> {
-    const answer = await ask(path(known), {method: 'HEAD', headers: version, cache: 'no-store', signal: cut.signal});
-    offset = Number(answer.headers.get('Upload-Offset'));
-    if (Number(answer.headers.get('Upload-Length')) !== file.size) id = null;  // of another file
-  }
-
-  async function piece(known: string, from: number): Promise<void> {
-    const body = file.slice(from, from + pieceBytes);
-    const headers: Record<string, string> = {
-      ...version, 'Upload-Offset': String(from), 'Content-Type': 'application/offset+octet-stream'};
-    const bytes = await body.arrayBuffer().catch(() => {
+  async #slice(from: number, to: number): Promise<{value: Blob; done: boolean}> {
+    const value = this.source.file.slice(from, to);
+    const bytes = await value.arrayBuffer().catch(() => {
       throw new Problem({type: 'file-changed', title: '', status: 400});  // on the disk of the person
     });
     const hash = await digest(bytes);
-    if (hash) headers['Upload-Checksum'] = `sha256 ${btoa(String.fromCharCode(...hash))}`;
-    let told = 0;
-    offset = null;
-    const answer = await send(path(known), headers, body, (sent) => {
-      if (cut.signal.aborted || now() - told < 200) return;
-      told = now();
-      tell(from + sent);
-    }, cut.signal);
-    if (!answer) throw noServer('');
-    if (!answer.ok) throw await problemOf(answer);
-    offset = Number(answer.headers.get('Upload-Offset'));
-    if (offset > from) failures = answers = 0;
+    this.#checksum = hash ? `sha256 ${btoa(String.fromCharCode(...hash))}` : '';
+    return {value, done: to >= this.source.file.size};
   }
 
-  // What to do after a failure: true to go on.
-  async function recover(problem: Problem): Promise<boolean> {
+  #watch(): void {
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => this.#recover(noServer('')), idleLimit);
+  }
+
+  // Throws a Problem for an answer after which the attempt cannot go on.
+  async #check(request: HttpRequest, response: HttpResponse): Promise<void> {
+    clearTimeout(this.#timer);
+    const status = response.getStatus();
+    if (status >= 300) {
+      const headers = ['Content-Type', 'X-Request-Id'].map((name): [string, string] => [name, response.getHeader(name) ?? '']);
+      throw await problemOf(new Response(response.getBody(), {status, headers}));
+    }
+    if (request.getMethod() === 'HEAD' && Number(response.getHeader('Upload-Length')) !== this.source.file.size)
+      throw new Problem({type: 'about:blank', title: '', status: 410});  // of another file
+  }
+
+  // Tries again at once or after a pause, or gives up.
+  #recover(problem: Problem): void {
     const {status} = problem;
-    offset = null;
-    const mine = status >= 400 && status !== 423 && status !== 429 && status !== 503;
-    if (mine && ++answers > forgiven) return false;
-    if (status === 404 || status === 410) id = null;                 // expired or deleted: begin again
-    else if (status === 409) { /* ask for the offset at once */ }
-    else if (status !== 460 && status !== 408 && mine && status !== 500 && status !== 502 && status !== 504) return false;
-    if (++failures > 1 || status !== 409) {
-      state = 'waiting';
-      tell(samples.at(-1)?.sent ?? 0, status > 0 ? problem : null);
-      const pause = Math.min(longestPause, 500 * 2 ** Math.min(failures, 10));
-      await new Promise<void>((resolve) => {
-        const timer = setTimeout(resolve, pause);
-        wake = () => { clearTimeout(timer); resolve(); };
-      });
-      if (state === 'waiting') state = 'sending';
+    this.#halt();
+    this.#samples = this.#samples.slice(-1);
+    if (!passing.includes(status) || (!patient.includes(status) && ++this.#answers > forgiven)) {
+      this.#state = 'failed';
+      this.#tell(0, problem);
+      return;
     }
-    return true;
-  }
-
-  async function run(): Promise<void> {
-    if (running) return;
-    running = true;
-    while (!over && state === 'sending') {
-      try {
-        if (!id) await create();
-        else if (offset === null) await askOffset(id);
-        if (!id || offset === null) continue;
-        tell(offset);
-        if (offset >= file.size) {
-          state = 'done';
-          tell(file.size);
-          over = true;
-          watcher.done(id);
-        } else {
-          await piece(id, offset);
-        }
-      } catch (error) {
-        if (over || state !== 'sending') break;  // paused
-        samples = samples.slice(-1);
-        const problem = error instanceof Problem ? error : noServer(error);
-        if (!await recover(problem)) {
-          state = 'failed';
-          tell(0, problem);
-        }
-      }
+    if (status === 404 || status === 410) this.#id = null;  // expired or deleted: begin again
+    if (++this.#failures === 1 && status === 409) {
+      void this.#attempt();  // asks for the offset
+      return;
     }
-    running = false;
-    if (over) globalThis.removeEventListener?.('online', online);
-    else if (state === 'sending') void run();  // resumed while the last request ended
+    this.#state = 'waiting';
+    this.#tell(undefined, status > 0 ? problem : null);
+    this.#timer = setTimeout(this.#goOn, Math.min(longestPause, 500 * 2 ** Math.min(this.#failures, 10)));
   }
-
-  function halt(next: TransferState): void {
-    state = next;
-    cut.abort();
-    cut = new AbortController();
-    offset = null;
-    wake();
-  }
-  const online = (): void => wake();
-  globalThis.addEventListener?.('online', online);
-  void run();
-  return {
-    pause() {
-      if (over || state === 'paused') return;
-      halt('paused');
-      tell(samples.at(-1)?.sent ?? 0);
-    },
-    resume() {
-      if (over || state === 'sending') return;
-      state = 'sending';
-      failures = answers = 0;
-      samples = [];
-      wake();
-      void run();
-    },
-    abort() {
-      over = true;
-      halt('paused');
-      globalThis.removeEventListener?.('online', online);
-      if (id) removeUpload(id);
-    },
+  readonly #goOn = (): void => {
+    if (this.#state !== 'waiting') return;
+    this.#state = 'sending';
+    void this.#attempt();
   };
+
+  // Ends the attempt or the pause.
+  #halt(): void {
+    this.#turn = {};
+    clearTimeout(this.#timer);
+    void this.#tus?.abort();
+  }
+  #end(): void {
+    this.#halt();
+    this.#state = 'done';
+    globalThis.removeEventListener?.('online', this.#goOn);
+  }
 }

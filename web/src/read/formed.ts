@@ -8,7 +8,7 @@ export interface Formed {
   pattern: Float32Array;      // (u, v) mm; 0 off the chart
   contact: Float32Array;      // 0 free, 1 mold, 2 platform, 3 clamp
   chart: Float32Array;        // 1 on the chart, otherwise 0
-  maps: ReadonlyMap<string, Float32Array>;  // values of the heat maps by their ids; -1 where there is none
+  maps: ReadonlyMap<string, Float32Array>;  // values of the heat maps by their ids; -1 where there is no value
   indices: Uint32Array;
   printed: Blob;              // PNG: what is printed, in sheet coordinates
   drawn: Blob;                // PNG: the drawing as it is, in sheet coordinates

@@ -8,7 +8,7 @@ export interface Spot extends SurfacePoint {
   normal: Point;
   sheet: [number, number];           // (s, t) mm
   pattern: [number, number] | null;  // (u, v) mm; null off the chart
-  values: ReadonlyMap<string, number | null>;  // of the heat maps by their ids; null where there is none
+  values: ReadonlyMap<string, number | null>;  // of the heat maps by their ids; null where there is no value
   contact: number;                   // of the nearest vertex
 }
 

@@ -1,7 +1,7 @@
 // A 3D view: a figure with a canvas, buttons for six views and a line that says where one looks from. Draws only when
 // something changed.
 //
-// Materials are ShaderMaterial alone (see three.mjs). Colours go to the screen as they are given (no tone mapping, no colour
+// All materials are ShaderMaterial. Colours go to the screen as they are given (no tone mapping, no colour
 // management): a material writes sRGB.
 // Quality: frames are drawn at one pixel a CSS pixel until one was timed. If it took less than 50 ms, the view at rest is
 // drawn at two; if more, a moving view is drawn at half a pixel and with coarse meshes. Without a graphics card, a view that

@@ -21,6 +21,9 @@ export interface Pattern extends SentFile {
   width: number | null;   // mm, as the file says
   height: number | null;
   aspect: number | null;
+  px?: [number, number];  // and in pixels, where pattern.dpi decides
+  dpi?: number;           // of the program that wrote the file
+  program?: string;
   layout: string;         // the job that made it; empty for a drawing of the person
   offHead?: number;       // coils of that layout that do not lie wholly on the head
 }
@@ -282,10 +285,12 @@ function larger(draft: DraftState, schema: SettingsSchema): boolean {
   return Math.max(...drawn) > Math.max(...window) || Math.min(...drawn) > Math.min(...window);
 }
 
-// The size of the drawing in mm, with the width that the person gives.
+// The size of the drawing in mm, with the width or the pixels an inch that the person gives.
 export function drawnSize(pattern: Pattern, {schema, form}: DraftState): [number, number] | null {
   const given = schema && valueOf(schema, form.settings, 'pattern.width_mm');
   if (typeof given === 'number') return [given, pattern.aspect ? given / pattern.aspect : NaN];
+  const dpi = schema && valueOf(schema, form.settings, 'pattern.dpi');
+  if (typeof dpi === 'number' && pattern.px) return [pattern.px[0] * 25.4 / dpi, pattern.px[1] * 25.4 / dpi];
   return pattern.width && pattern.height ? [pattern.width, pattern.height] : null;
 }
 

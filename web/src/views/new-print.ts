@@ -129,7 +129,7 @@ function scanSection(schema: SettingsSchema): Children {
     if (sameValue(settings, shown)) return;
     section.settings = shown = settings;
   });
-  follow(({draft: now}) => [now.form.pattern, now.form.settings['pattern']?.['width_mm']] as const, async ([pattern]) => {
+  follow(({draft: now}) => [now.form.pattern, now.form.settings['pattern']?.['width_mm'], now.form.settings['pattern']?.['dpi']] as const, async ([pattern]) => {
     const picture = new Image(), size = pattern && drawnSize(pattern, draft());
     const loaded = size && await loadDrawing(pattern, picture);
     if (pattern?.mark !== draft().form.pattern?.mark) return;  // another one by now

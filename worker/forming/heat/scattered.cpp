@@ -45,9 +45,9 @@ TemperatureField through_points(const std::vector<MeasuredPoint>& given, double 
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n + 3, n + 3);
   Eigen::VectorXd b = Eigen::VectorXd::Zero(n + 3);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const MeasuredPoint& p = points[static_cast<std::size_t>(i)];
+    const MeasuredPoint& p = points[i];
     for (Eigen::Index j = 0; j < n; ++j)
-      A(i, j) = kernel((scale * (p.sheet - points[static_cast<std::size_t>(j)].sheet)).squaredNorm());
+      A(i, j) = kernel((scale * (p.sheet - points[j].sheet)).squaredNorm());
     A(i, n) = A(n, i) = 1;
     A(i, n + 1) = A(n + 1, i) = scale * p.sheet.x();
     A(i, n + 2) = A(n + 2, i) = scale * p.sheet.y();
@@ -70,8 +70,8 @@ TemperatureField through_points(const std::vector<MeasuredPoint>& given, double 
                                  (static_cast<double>(row) / (rows - 1) - 0.5) * height_mm * scale);
         double value = x[n] + x[n + 1] * at.x() + x[n + 2] * at.y();
         for (Eigen::Index i = 0; i < n; ++i)
-          value += x[i] * kernel((at - scale * points[static_cast<std::size_t>(i)].sheet).squaredNorm());
-        celsius[static_cast<std::size_t>(row * columns + column)] = std::clamp(value, least, most);
+          value += x[i] * kernel((at - scale * points[i].sheet).squaredNorm());
+        celsius[row * columns + column] = std::clamp(value, least, most);
       }
   });
   return {width_mm, height_mm, columns, std::move(celsius)};

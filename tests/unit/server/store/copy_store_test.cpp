@@ -1,5 +1,5 @@
 // Copies between all places of rows and blobs, with a real PostgreSQL and a real object store.
-#include "server/store/copy_store.hpp"
+#include "server/store/sql/copy_store.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,9 @@
 #include <vector>
 
 #include "api/base/secrets.hpp"
-#include "server/store/postgres_schema.hpp"
-#include "server/store/sql_store.hpp"
+#include "server/store/postgres/postgres_schema.hpp"
+#include "server/store/sql/sql_store.hpp"
+#include "server/store/sqlite/sqlite.hpp"
 #include "tests/unit/server/store/postgres_server.hpp"
 #include "tests/unit/server/store/s3_server.hpp"
 #include "tests/unit/server/store/store_fixture.hpp"
@@ -96,7 +97,7 @@ class CopyStore : public testing::Test {
     EXPECT_TRUE(store.set_default_profile("head", true));
     EXPECT_TRUE(store.add_scan("station-3", upload(store, "a kept scan"), "stl"));
     for (const char* id : {"00000000000000000000000000000001", "00000000000000000000000000000002"})
-      EXPECT_TRUE(store.add_upload({id, "station-3", "scan", "stl", 8, now_, now_ + 1'000'000, {}}));
+      EXPECT_TRUE(store.add_upload({id, "station-3", "scan", "stl", "key", 8, now_, now_ + 1'000'000, {}}));
     EXPECT_TRUE(store.finish_upload("00000000000000000000000000000001", upload(store, "uploaded")));
     return running;
   }

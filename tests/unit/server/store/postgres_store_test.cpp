@@ -1,10 +1,10 @@
 // The store on PostgreSQL: the promises that every store keeps (store_fixture.hpp), and what is special to a database that
 // can be lost, restarted and shared.
-#include "server/store/postgres_store.hpp"
+#include "server/store/sql/postgres_store.hpp"
 
 #include <gtest/gtest.h>
 
-#include "server/store/postgres_schema.hpp"
+#include "server/store/postgres/postgres_schema.hpp"
 #include "tests/unit/server/store/postgres_server.hpp"
 #include "tests/unit/server/store/store_fixture.hpp"
 

@@ -10,7 +10,7 @@
 #include <set>
 #include <string>
 
-#include "server/store/s3_client.hpp"
+#include "server/store/blobs/s3/s3_client.hpp"
 
 namespace vacuform {
 

@@ -1,5 +1,5 @@
 // The signer against the published examples of AWS: the suite of Signature Version 4, and those of the S3 documentation.
-#include "server/store/s3_signature.hpp"
+#include "server/store/blobs/s3/s3_signature.hpp"
 
 #include <gtest/gtest.h>
 

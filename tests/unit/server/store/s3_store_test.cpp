@@ -1,5 +1,5 @@
 // The store with its blobs in a real object store, and its rows in either database; and what is so with objects alone.
-#include "server/store/s3_blobs.hpp"
+#include "server/store/blobs/s3/s3_blobs.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -7,7 +7,7 @@
 #include <fstream>
 #include <map>
 
-#include "server/store/file_blobs.hpp"
+#include "server/store/blobs/files/file_blobs.hpp"
 #include "tests/unit/server/store/postgres_server.hpp"
 #include "tests/unit/server/store/s3_server.hpp"
 #include "tests/unit/server/store/store_fixture.hpp"
@@ -242,7 +242,7 @@ TEST_F(S3BlobsTest, WithoutTheObjectStoreNothingIsAcceptedAndNothingIsLost) {
 // What a crash between the first byte and the last row leaves.
 TEST_F(S3BlobsTest, AnObjectThatNeverBecameABlobIsDeletedAfterTheNextStart) {
   const StoredObject half{text_hash("half a scan"), random_hex(8), 11};
-  ASSERT_TRUE(table().add_arriving(half));
+  ASSERT_TRUE(table().add_uploading(half));
   ASSERT_TRUE(S3Server::get().client(folder_of(data())).put(half.key(), "half a scan"));
   ASSERT_TRUE(blobs_->sweep([](const std::string&) { return true; }, 30));
   now_ += hour;
@@ -255,9 +255,9 @@ TEST_F(S3BlobsTest, FindsAndDeletesObjectsWithoutARowAndNothingElse) {
   const auto go_on = [] { return true; };
   auto client = S3Server::get().client(folder_of(data()));
   ASSERT_TRUE(put(bytes(10)) && put(bytes(20)));
-  blobs_->collect(text_hash(bytes(20)), [](const std::string&) { return false; });  // condemned
+  blobs_->collect(text_hash(bytes(20)), [](const std::string&) { return false; });  // marked
   const StoredObject arriving{text_hash("arriving"), random_hex(8), 8};
-  ASSERT_TRUE(table().add_arriving(arriving));
+  ASSERT_TRUE(table().add_uploading(arriving));
   ASSERT_TRUE(client.put(arriving.key(), "arriving"));
   const std::string other_generation = text_hash(bytes(10)) + "." + random_hex(8),
                     unknown = text_hash("unknown") + "." + random_hex(8);
@@ -507,9 +507,9 @@ TEST_F(ServersTest, AFileThatAnAcceptedJobNamesIsNeverDeleted) {
 TEST_F(ServersTest, AStartLeavesTheFilesOfRequestsToOtherServers) {
   for (const char* scan : {"one", "two", "three", "four"}) ASSERT_TRUE(create(*one_, scan));
   const StoredObject coming{text_hash("coming"), "0123456789abcdef", 6};
-  ASSERT_TRUE(objects(*one_).add_arriving(coming));
+  ASSERT_TRUE(objects(*one_).add_uploading(coming));
   const StoredObject come{text_hash("come"), "0123456789abcdef", 4};
-  ASSERT_TRUE(objects(*one_).add_arriving(come));
+  ASSERT_TRUE(objects(*one_).add_uploading(come));
   ASSERT_TRUE(objects(*one_).object_arrived(come));
   two_.reset();
   two_ = server("two");
@@ -525,7 +525,14 @@ TEST_F(ServersTest, AStartLeavesTheFilesOfRequestsToOtherServers) {
 TEST_F(ServersTest, AnUploadContinuesOnTheOther) {
   EXPECT_TRUE(one_->shared());
   const Millis now = wall_clock();
-  const StoredUpload upload{random_hex(16), "a", "scan", "stl", 10, now, now + hour, std::nullopt};
+  const StoredUpload upload{.id = random_hex(16),
+                            .owner = "a",
+                            .input = "scan",
+                            .extension = "stl",
+                            .key = random_hex(32),
+                            .length = 10,
+                            .created = now,
+                            .expires = now + hour};
   ASSERT_TRUE(one_->add_upload(upload));
   ASSERT_TRUE(one_->add_piece(upload.id, 0, file(*one_, "one"), 4));
   ASSERT_TRUE(two_->add_piece(upload.id, 1, file(*two_, "two"), 8));

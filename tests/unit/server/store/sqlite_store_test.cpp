@@ -5,8 +5,8 @@
 #include <fstream>
 
 #include "api/base/secrets.hpp"
-#include "server/store/schema.hpp"
-#include "server/store/sqlite_store.hpp"
+#include "server/store/sql/sqlite_store.hpp"
+#include "server/store/sqlite/sqlite_schema.hpp"
 #include "tests/unit/server/store/store_fixture.hpp"
 
 namespace vacuform {

@@ -5,9 +5,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "server/store/file_blobs.hpp"
-#include "server/store/repair.hpp"
-#include "server/store/sqlite.hpp"
+#include "server/store/blobs/files/file_blobs.hpp"
+#include "server/store/sql/repair.hpp"
+#include "server/store/sqlite/sqlite.hpp"
 #include "server/store/store_watch.hpp"
 #include "tests/unit/server/store/store_fixture.hpp"
 
@@ -75,7 +75,7 @@ class StoreDamage : public testing::Test {
     return files;
   }
   // A change of the database that no server makes.
-  void change_rows(const std::string& sql) const {
+  void run_sql(const std::string& sql) const {
     SqliteDatabase db;
     ASSERT_TRUE(db.open((data() / "jobs.sqlite").string()));
     const auto changed = db.execute(sql);
@@ -175,7 +175,7 @@ TEST_F(StoreDamage, ADeletionThatBrokeOffIsEnded) {
   create(0, 30);
   store_.reset();
   std::string scans = "INSERT INTO pending_deletion SELECT blob FROM input WHERE job<>'" + ids_[0] + "'";
-  change_rows("PRAGMA foreign_keys=ON; " + scans + "; DELETE FROM job WHERE id<>'" + ids_[0] + "'");
+  run_sql("PRAGMA foreign_keys=ON; " + scans + "; DELETE FROM job WHERE id<>'" + ids_[0] + "'");
   open();
   EXPECT_EQ(blob_files(data()).size(), 2u);
   EXPECT_EQ(in_quarantine(), 0u);
@@ -298,13 +298,13 @@ TEST_F(StoreDamage, ABadRowIsLeftOutOfListsAndMovedByARepair) {
   open();
   create(0, 5);
   store_.reset();
-  change_rows("UPDATE job SET state='shattered' WHERE id='" + ids_[1] +
-              "';"
-              "UPDATE job SET note=CAST(X'6e6f7465ff' AS TEXT) WHERE id='" +
-              ids_[2] +
-              "';"
-              "UPDATE job SET settings='{' WHERE id='" +
-              ids_[3] + "'");
+  run_sql("UPDATE job SET state='shattered' WHERE id='" + ids_[1] +
+          "';"
+          "UPDATE job SET note=CAST(X'6e6f7465ff' AS TEXT) WHERE id='" +
+          ids_[2] +
+          "';"
+          "UPDATE job SET settings='{' WHERE id='" +
+          ids_[3] + "'");
   open();
   EXPECT_EQ(listed(), 2u);
   EXPECT_EQ(store_->list(100, "", {}, Detail::brief)->jobs.size(), 3u);  // no list shows settings

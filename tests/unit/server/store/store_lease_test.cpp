@@ -211,7 +211,7 @@ TEST_P(StoreTest, AFaultOfTheWorkersIsTriedAgainSoOften) {
 
 TEST_P(StoreTest, ASecondCrashEndsAJobWithItsLog) {
   const std::string id = create().id;
-  const Error error{Code::internal, "broke down", "", ""};
+  const Error error{Code::internal, "crashed", "", ""};
   EXPECT_EQ(store_->fail_job(lease(), error, Retry::after_fault).value().state, JobState::queued);
   EXPECT_EQ(store_->fail_job(lease(), error, Retry::after_crash).value().state, JobState::queued);
   EXPECT_EQ(store_->fail_job(lease(), error, Retry::after_crash).value().state, JobState::failed);
@@ -221,7 +221,7 @@ TEST_P(StoreTest, ASecondCrashEndsAJobWithItsLog) {
 
 TEST_P(StoreTest, DoesNotCountTheFailuresOfAWorkerAgainstAJob) {
   const std::string id = create().id;
-  const Error error{Code::internal, "broke down", "", ""};
+  const Error error{Code::internal, "crashed", "", ""};
   ASSERT_TRUE(store_->fail_job(lease(), error, Retry::after_crash));
   for (int i = 0; i < 2; ++i) {  // of three
     lease();

@@ -38,7 +38,7 @@ TEST_P(StoreTest, TellsThePlaceInTheQueue) {
     job.priority = priority;
     return store_->create(std::move(job))->id;
   };
-  const auto place = [&](const std::string& id) { return store_->outlook(job(id))->queue_position; };
+  const auto place = [&](const std::string& id) { return store_->estimate(job(id))->queue_position; };
   std::vector<std::string> waiting;
   for (const char* owner : {"a", "a", "a", "a", "b", "b", "c"}) waiting.push_back(submit(owner));
   waiting.push_back(submit("b", -1));
@@ -69,9 +69,9 @@ TEST_P(StoreTest, TellsHowLongAJobMayTake) {
     NewJob job = submission(scan);
     job.kind = kind;
     const Job made = store_->create(std::move(job)).value();
-    const auto seconds = store_->outlook(made)->seconds_expected;
+    const auto seconds = store_->estimate(made)->seconds_expected;
     EXPECT_TRUE(store_->cancel(made.id));
-    EXPECT_FALSE(store_->outlook(this->job(made.id))->seconds_expected);  // it has ended
+    EXPECT_FALSE(store_->estimate(this->job(made.id))->seconds_expected);  // it has ended
     return seconds;
   };
   const auto run = [&](const std::string& scan, Millis time) {

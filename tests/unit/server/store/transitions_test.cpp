@@ -101,7 +101,7 @@ TEST(Transitions, SayWhatTheLogSays) {
   EXPECT_EQ(line(events[2].event, JobState::running), "succeeded");
   EXPECT_EQ(line(events[3].event, JobState::running), "failed: unusable-scan");
   EXPECT_EQ(line(events[4].event, JobState::running), "its worker had an internal fault, queued again");
-  EXPECT_EQ(line(events[5].event, JobState::running), "its process broke down, queued again");
+  EXPECT_EQ(line(events[5].event, JobState::running), "its process crashed, queued again");
   EXPECT_EQ(line(events[7].event, JobState::running), "its worker was lost, queued again");
   EXPECT_EQ(line(events[8].event, JobState::running), "given back by its worker, queued again");
   EXPECT_EQ(line(events[8].event, JobState::cancelling), "cancelled");

@@ -33,14 +33,23 @@ TEST(ArrayLayout, LaysSevenOnASphereAsAFlowerThatLandsInPlace) {
   EXPECT_LT(array->strongest->k, -0.01);
   EXPECT_GT(array->strongest->k, -0.03);
   EXPECT_NEAR(array->spacing_mm, 30, 0.8);
-  Settings settings;
-  settings.coils.decouple = true;
+  // Printed, with decoupling or without, the loops lie there.
   const hand_made::Charted charted(x);
-  auto placed = place(charted, &array->drawing, settings, Context());
-  ASSERT_TRUE(placed);
-  ASSERT_TRUE(add_couplings(charted, array->drawing, settings, Context(), *placed));
-  ASSERT_EQ(placed->elements.size(), 7u);
-  for (std::size_t i = 0; i < 7; ++i) EXPECT_LT((placed->elements[i].centre - array->centres[i]).norm(), 0.5);
+  for (const bool decouple : {false, true}) {
+    Settings settings;
+    settings.coils.decouple = decouple;
+    auto placed = place(charted, &array->drawing, settings, Context());
+    ASSERT_TRUE(placed);
+    ASSERT_TRUE(add_couplings(charted, array->drawing, settings, Context(), *placed));
+    ASSERT_EQ(placed->elements.size(), 7u);
+    for (std::size_t i = 0; i < 7; ++i)
+      EXPECT_LT((placed->elements[i].centre - array->centres[i]).norm(), decouple ? 0.5 : 0.02);
+    if (decouple) continue;
+    double strongest = 0;
+    for (const PlacedPair& pair : placed->pairs)
+      if (std::abs(*pair.k) > std::abs(strongest)) strongest = *pair.k;
+    EXPECT_NEAR(strongest, array->strongest_neighbours->k, 0.0005);
+  }
 }
 
 TEST(ArrayLayout, FitsTheFrontHalfAndRefusesWhatHasNoRoom) {
@@ -78,7 +87,7 @@ TEST(ArrayLayout, KeepsTheOverlapThatIsAskedFor) {
     ASSERT_TRUE(placed);
     ASSERT_EQ(placed->elements.size(), 7u);
     for (std::size_t i = 0; i < 7; ++i)
-      EXPECT_LT((placed->elements[i].centre - array->centres[i]).norm(), 0.5);
+      EXPECT_LT((placed->elements[i].centre - array->centres[i]).norm(), 0.02);
   }
 }
 
@@ -92,6 +101,86 @@ TEST(ArrayLayout, IsWrittenAsAGroupACoil) {
   EXPECT_NE(svg.find("<g id=\"coil-1\"><circle cx=\"3.0000\" cy=\"-4.0000\" r=\"10.0000\" fill=\"none\" "
                      "stroke=\"#000\" stroke-width=\"3.000\"/></g>"),
             std::string::npos);
+  drawing.elements[0].place = CoilPlace{{1, -2, 80.5}, {0, 1, 0}, {3, 4}};
+  EXPECT_NE(svg_of_rings(drawing, "one coil")
+                .find("<g id=\"coil-1\" data-place=\"1.0000 -2.0000 80.5000 0.000000 1.000000 0.000000 "
+                      "3.0000 4.0000\">"),
+            std::string::npos);
+}
+
+// What a person does with it in a drawing program.
+class EditedLayout : public testing::Test {
+ protected:
+  void SetUp() override {
+    auto made = lay_out_array(charted_, wish(9, 32), CoilSettings(), Context());
+    ASSERT_TRUE(made) << made.error().text();
+    array_ = *std::move(made);
+    svg_ = svg_of_rings(array_.drawing, "nine coils");
+  }
+
+  Placement printed(const std::string& svg, const ChartedSurface& on, const Settings& settings = {}) const {
+    std::vector<Warning> warnings;
+    const auto drawing = read_drawing(svg, array_.drawing.size_mm, warnings);
+    EXPECT_TRUE(drawing && warnings.empty());
+    auto placement = place(on, &*drawing, settings, Context());
+    EXPECT_TRUE(placement);
+    return *std::move(placement);
+  }
+  std::string with(const std::string& from, const std::string& to) const {
+    std::string out = svg_;
+    const auto at = out.find(from);
+    EXPECT_NE(at, out.npos);
+    return out.replace(at, from.size(), to);
+  }
+  static std::vector<std::string> codes(const Placement& placement) {
+    std::vector<std::string> out;
+    for (const Warning& w : placement.warnings) out.push_back(w.code);
+    return out;
+  }
+
+  Sample x_ = hand_made::sphere(80, 260, 90, 110);
+  hand_made::Charted charted_{x_};
+  Array array_;
+  std::string svg_;
+};
+
+TEST_F(EditedLayout, KeepsItsPlacesWhenTheDrawingIsMovedOnThePage) {
+  std::string moved = with("</title>", "</title><g transform=\"translate(7 -3)\">");
+  moved.insert(moved.rfind("</svg>"), "</g>");
+  const Placement p = printed(moved, charted_);
+  ASSERT_EQ(p.elements.size(), 9u);
+  EXPECT_TRUE(codes(p).empty());
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_LT((p.elements[i].centre - array_.centres[i]).norm(), 0.02) << i;
+}
+
+TEST_F(EditedLayout, MovesALoopByAsMuchAsItIsMovedInTheDrawing) {
+  const Placement p =
+      printed(with("<g id=\"coil-5\"", "<g id=\"coil-5\" transform=\"translate(4 -3)\""), charted_);
+  ASSERT_EQ(p.elements.size(), 9u);
+  EXPECT_TRUE(codes(p).empty());
+  for (std::size_t i = 0; i < 9; ++i)
+    EXPECT_NEAR((p.elements[i].centre - array_.centres[i]).norm(), i == 4 ? 5 : 0, 0.03) << i;
+}
+
+TEST_F(EditedLayout, PlacesALoopThatWasAddedByItsNeighbours) {
+  const std::string added =
+      with("</svg>", "<circle cx=\"70\" cy=\"2\" r=\"9\" fill=\"none\" stroke=\"#000\"/></svg>");
+  const Placement p = printed(added, charted_);
+  ASSERT_EQ(p.elements.size(), 10u);
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_LT((p.elements[i].centre - array_.centres[i]).norm(), 0.02) << i;
+  for (const PlacedPair& pair : p.pairs)
+    EXPECT_LT(std::abs(pair.mm - pair.drawn_mm), pair.b == 9 ? 6 : 100) << pair.a;
+}
+
+TEST_F(EditedLayout, SaysThatItWasMadeForAnotherHead) {
+  const Sample other = hand_made::sphere(83, 260, 90, 110);
+  const hand_made::Charted on(other);
+  const Placement p = printed(svg_, on);
+  EXPECT_EQ(codes(p), std::vector<std::string>{"places-unused"});
+  EXPECT_NE(p.warnings[0].text.find("laid out for another head"), std::string::npos);
+  Settings settings;
+  settings.pattern.rotate_deg = 10;
+  EXPECT_EQ(codes(printed(svg_, charted_, settings)), std::vector<std::string>{"places-unused"});
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 
 #include "tests/unit/fixtures/coils_shapes.hpp"
 #include "worker/coils/coupled_neighbours.hpp"
@@ -108,13 +109,69 @@ TEST(Decoupling, SaysWhichPairsTheSurfaceKeepsCoupled) {
   ASSERT_EQ(p->pairs.size(), 14u);
   EXPECT_GE(worst(*p, &PlacedPair::k), 0.01);
   EXPECT_LT(worst(*p, &PlacedPair::k), worst(*p, &PlacedPair::k_before));
-  const auto coupled = coupling_warning(coupled_neighbours(*p, drawing), true);
+  const auto coupled = coupling_warning(coupled_loops(*p, drawing), true);
   ASSERT_TRUE(coupled);
   EXPECT_EQ(coupled->code, "coils-coupled");
   for (const PlacedPair& pair : p->pairs) {
     const auto id = [&](int i) { return drawing.elements[static_cast<std::size_t>(i)].id; };
     const bool named = coupled->place.find(id(pair.a) + " and " + id(pair.b) + " (k = ") != std::string::npos;
     EXPECT_EQ(named, std::abs(*pair.k) >= 0.01) << id(pair.a) << ' ' << id(pair.b);
+  }
+}
+
+// Four loops in a square: the two over the diagonals are no neighbours and nearly touch. They cannot be decoupled where
+// they are, and say so.
+TEST(Decoupling, CountsPairsThatAreNoNeighbours) {
+  const Sample x = hand_made::flat(220, 60);
+  Drawing drawing;
+  drawing.elements = {hand_made::ring("a", {-15, -15}, 20), hand_made::ring("b", {15, -15}, 20),
+                      hand_made::ring("c", {15, 15}, 20), hand_made::ring("d", {-15, 15}, 20)};
+  for (const bool decouple : {false, true}) {
+    const auto p = placed(x, drawing, decouple ? decoupled() : Settings());
+    ASSERT_TRUE(p);
+    ASSERT_EQ(p->pairs.size(), 4u);  // the sides
+    const auto coupled = coupling_warning(coupled_loops(*p, drawing), decouple);
+    ASSERT_TRUE(coupled) << decouple;
+    EXPECT_NE(coupled->text.find("2 pairs of "), std::string::npos) << coupled->text;
+    for (const char* pair : {"a and c (k = -0.0", "b and d (k = -0.0"})
+      EXPECT_NE(coupled->place.find(pair), std::string::npos) << coupled->place;
+    EXPECT_LT(worst(*p, &PlacedPair::k), 0.011);
+  }
+}
+
+// A loop beside two others, almost touching them: no neighbour overlaps it, and it is moved away.
+TEST(Decoupling, MovesLoopsApartThatAlmostTouch) {
+  const Sample x = hand_made::flat(220, 60);
+  Drawing drawing;
+  drawing.elements = {hand_made::ring("a", {-15, 0}, 20), hand_made::ring("b", {15, 0}, 20),
+                      hand_made::ring("c", {2, 39}, 20)};
+  const auto strongest = [&](const Settings& settings) {
+    const auto p = placed(x, drawing, settings);
+    double most = 0;
+    for (const CoupledLoops& pair : coupled_loops(*p, drawing)) most = std::max(most, std::abs(pair.k));
+    return most;
+  };
+  EXPECT_GT(strongest(Settings()), 0.04);
+  EXPECT_LT(strongest(decoupled()), 0.03);
+}
+
+// Drawings that cannot be decoupled, by a fixed seed: no pair may end stronger than the strongest was, or than .03.
+TEST(Decoupling, NeverEndsWorseThanItBegan) {
+  std::mt19937 random(42);
+  std::uniform_real_distribution<double> at(-38, 38), radius(12, 24);
+  const Sample x = hand_made::sphere(75, 240, 80);
+  for (int round = 0; round < 6; ++round) {
+    Drawing drawing;
+    for (int i = 0; i < 5; ++i)
+      drawing.elements.push_back(
+          hand_made::ring("coil-" + std::to_string(i), {at(random), at(random)}, radius(random)));
+    const auto strongest = [&](const Settings& settings) {
+      const auto p = placed(x, drawing, settings);
+      double most = 0;
+      for (const CoupledLoops& pair : coupled_loops(*p, drawing)) most = std::max(most, std::abs(pair.k));
+      return most;
+    };
+    EXPECT_LE(strongest(decoupled()), std::max(0.03, strongest(Settings())) + 1e-9) << round;
   }
 }
 

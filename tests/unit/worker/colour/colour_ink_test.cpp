@@ -32,7 +32,7 @@ constexpr int pixels = 600;
 constexpr double pixel_size = 0.5;
 
 std::vector<std::uint8_t> drawn(const SheetColours& colours, const ColourInk& ink, InkState shows) {
-  const ColourRaster raster(colours, pixels, pixels, pixel_size, {&ink, shows});
+  const ColourRaster raster(colours, {pixels, pixels, pixel_size}, {&ink, shows});
   std::vector<std::uint8_t> rgba;
   for (int top = 0; top < pixels; top += raster.band_rows()) {
     const auto rows = raster.rows(top, std::min(top + raster.band_rows(), pixels));

@@ -55,7 +55,7 @@ Printed printed(const FormedSheet& sheet, const FileBytes& scan, const std::stri
   const SheetColours colours(ColouredSurface(*coloured, {}), sheet, colour_reach(0, fade_mm));
   Printed out;
   out.side = 1500;
-  const ColourRaster raster(colours, out.side, out.side, pixel_mm);
+  const ColourRaster raster(colours, {out.side, out.side, pixel_mm});
   for (int top = 0; top < out.side; top += raster.band_rows()) {
     const auto rows = raster.rows(top, std::min(top + raster.band_rows(), out.side));
     out.rgba.insert(out.rgba.end(), rows.begin(), rows.end());

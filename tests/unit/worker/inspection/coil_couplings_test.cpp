@@ -36,7 +36,7 @@ TEST(CoilCouplings, NameTheWorstOfAllPairsAndOfTheNeighboursInACriticalHexagon) 
   EXPECT_NEAR(flat.strongest->k, -0.02, 0.001);
   EXPECT_NEAR(flat.strongest->mm, std::sqrt(3) * 1.51604 * 20, 0.05);
   EXPECT_GT(flat.strongest->a, 0);
-  const auto json = summary_json(table, &CoilTable::without);
+  const auto json = summary_json(table, Way::without);
   EXPECT_NEAR(json["worst_k"].get<double>(), std::abs(flat.strongest_neighbours->k), 1e-5);
   EXPECT_EQ(json["strongest_pair"]["coils"][0], table.coils[static_cast<std::size_t>(flat.strongest->a)].id);
   EXPECT_NEAR(json["strongest_pair"]["k"].get<double>(), flat.strongest->k, 1e-5);
@@ -46,7 +46,7 @@ TEST(CoilCouplings, AreReportedAsAFullMatrixOfTheCoilsOnTheHead) {
   CoilTable table = measured_flat(hand_made::seven_rings(20, 1.51604 * 20));
   EXPECT_EQ(couplings_json(table), nullptr);  // nothing is printed
   for (Coil& coil : table.coils) coil.with = coil.without;
-  table.k_with = table.k_without;
+  table.k.with = table.k.without;
   table.coils[3].with->on_head = false;
   const auto json = couplings_json(table);
   EXPECT_EQ(json["coils"].dump(), R"(["coil-0","coil-1","coil-2","coil-4","coil-5","coil-6"])");
@@ -203,22 +203,22 @@ TEST(CaptionWords, CountTheCoilsOnTheHeadAndHowFarTheyAreOff) {
   CoilTable table;
   table.coils.resize(19);
   CoilSummary& with = table.with;
-  EXPECT_EQ(coils_caption(table, &CoilTable::with), "0 of 19 coils on the head");
+  EXPECT_EQ(coils_caption(table, Way::with), "0 of 19 coils on the head");
   with.coils = with.round = 6;
   with.mean_circularity = 0.0012, with.worst_circularity = 0.0034, with.mean_area_error = 0.0005;
   with.mean_shape_error = 0.02, with.worst_shape_error = 0.03;
-  EXPECT_EQ(coils_caption(table, &CoilTable::with),
+  EXPECT_EQ(coils_caption(table, Way::with),
             "6 of 19 coils on the head: out of round by 0.12 % on average, 0.34 % at worst     area off by "
             "0.05 % on average");
   with.round = 5;  // one is no circle
   EXPECT_EQ(
-      coils_caption(table, &CoilTable::with),
+      coils_caption(table, Way::with),
       "6 of 19 coils on the head: off their drawn shape by 2.00 % on average, 3.00 % at worst     area off "
       "by 0.05 % on average");
-  EXPECT_EQ(coils_caption(table, &CoilTable::without), "0 of 19 coils on the head");
+  EXPECT_EQ(coils_caption(table, Way::without), "0 of 19 coils on the head");
   table.coils.resize(1);
   with = {};
-  EXPECT_EQ(coils_caption(table, &CoilTable::with), "0 of 1 coil on the head");
+  EXPECT_EQ(coils_caption(table, Way::with), "0 of 1 coil on the head");
 }
 
 TEST(CaptionWords, SayWhereTheInkGoes) {

@@ -6,6 +6,7 @@
 #include "worker/inspection/loop_figures.hpp"
 #include "worker/inspection/stretched_traces.hpp"
 #include "worker/pattern/drawn_loop.hpp"
+#include "worker/pattern/sorting.hpp"
 #include "worker/placement/outline.hpp"
 
 namespace vacuform {
@@ -155,7 +156,7 @@ Drawing drawing() {
     Shape shape;
     shape.curves = {bezier_circle(centre, 3), bezier_circle(centre, 10)};
     shape.stroke = stroke;
-    return Element{id, centre, {shape}};
+    return one_element(id, {shape});
   };
   out.elements = {ring("left", {-7.5, 0}), ring("right", {7.5, 0}), ring("", {0, 0}), ring("far", {90, 0})};
   return out;
@@ -187,7 +188,7 @@ Coils stretched_coils() {
   Coils coils(hand_made::stretched(160, 40, 1.25 * Matrix2d::Identity()));
   const auto printed = [](const std::string& id, const Vector2d& at, double r) {
     return PrintedElement{
-        id, {}, {{bezier_circle(at / 1.25, 3 / 1.25), 2}, {bezier_circle(at / 1.25, r / 1.25), 2}}};
+        id, {}, {{bezier_circle(at / 1.25, 3 / 1.25), 2}}, bezier_circle(at / 1.25, r / 1.25)};
   };
   coils.print.elements = {printed("left", {-7.5, 0}, 10), printed("right", {7.5, 0}, 9)};
   return coils;
@@ -256,7 +257,7 @@ TEST(CoilFigures, AreFoundAboutAVertexOfTheSheet) {
 // positive one.
 TEST(CoilFigures, TheSignOfACouplingIsThatOfTheOverlap) {
   Coils coils(hand_made::flat(160, 40));
-  auto& turned = coils.drawn.elements[1].shapes[0].curves[1].points;
+  auto& turned = coils.drawn.elements[1].loop->line;
   std::reverse(turned.begin(), turned.end());
   EXPECT_NEAR(*coils.measure().pairs[0].without->k, 0, 0.02);
   for (auto& p : turned) p.x() -= 5;
@@ -342,18 +343,25 @@ Element drawn_with(const std::vector<Curve>& curves, bool filled, bool even_odd 
     shape.fill = Colour{}, shape.even_odd = even_odd;
   else
     shape.stroke = Stroke{.colour = {}, .width_mm = 3, .dashes_mm = {}};
-  return {"coil", {10, 5}, {shape}};
+  return one_element("coil", {shape});
+}
+
+// Straight pieces from point to point.
+Curve through(const std::vector<Vector2d>& line) {
+  Curve out{{line.front()}, true};
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const Vector2d &a = line[i], &b = line[(i + 1) % line.size()];
+    out.points.insert(out.points.end(), {a + (b - a) / 3, b - (b - a) / 3, b});
+  }
+  return out;
 }
 
 // On the dome, printed as it is drawn.
 CoilTable on_the_dome(const Element& element) {
   Coils coils(hand_made::dome(100));
   coils.drawn = {{200, 200}, {element}};
-  PrintedElement printed{"coil", {}, {}};
-  for (const Curve& curve : element.shapes[0].curves)
-    if (element.shapes[0].stroke) printed.centrelines.push_back({curve, 3});
-  if (element.shapes[0].fill) printed.centrelines.push_back({full_circle({10, 5}, 20), 3});
-  coils.print.elements = {printed};
+  coils.print.elements = {{"coil", {}, {}, {}}};
+  if (element.loop) coils.print.elements[0].loop = through(element.loop->line);
   return coils.measure();
 }
 
@@ -365,12 +373,12 @@ void expect_same(const CoilTable& one, const CoilTable& other, double bound) {
   EXPECT_NEAR(a.drawn_diameter_mm / b.drawn_diameter_mm, 1, bound);
   EXPECT_NEAR(a.drawn_area_mm2 / b.drawn_area_mm2, 1, bound);
   EXPECT_NEAR(a.drawn_circularity, b.drawn_circularity, bound);
-  for (const auto way : {&Coil::with, &Coil::without}) {
-    ASSERT_TRUE(a.*way && b.*way);
-    EXPECT_NEAR((a.*way)->circularity, (b.*way)->circularity, bound);
-    EXPECT_NEAR((a.*way)->diameter_mm / (b.*way)->diameter_mm, 1, bound);
-    EXPECT_NEAR((a.*way)->area_mm2 / (b.*way)->area_mm2, 1, bound);
-    EXPECT_NEAR(*(a.*way)->inductance_nh / *(b.*way)->inductance_nh, 1, 0.005);
+  for (const Way way : both_ways) {
+    ASSERT_TRUE(a[way] && b[way]);
+    EXPECT_NEAR(a[way]->circularity, b[way]->circularity, bound);
+    EXPECT_NEAR(a[way]->diameter_mm / b[way]->diameter_mm, 1, bound);
+    EXPECT_NEAR(a[way]->area_mm2 / b[way]->area_mm2, 1, bound);
+    EXPECT_NEAR(*a[way]->inductance_nh / *b[way]->inductance_nh, 1, 0.005);
   }
 }
 
@@ -439,12 +447,10 @@ TEST(CoilFigures, AreOfTheLoopThatPlacementSees) {
 TEST(CoilFigures, AreOfPrintsThatHaveTheWholeLoop) {
   Coils coils(hand_made::dome(100));
   coils.drawn = {{200, 200}, {drawn_with({full_circle(at, 20)}, false)}};
-  coils.print.elements = {{"coil", {}, {{arc(at, 20, 10, 350), 3}}}};
+  coils.print.elements = {{"coil", {}, {{arc(at, 20, 10, 350), 3}}, {}}};
   EXPECT_FALSE(coils.measure().coils[0].with);
-  coils.drawn = {{200, 200}, {drawn_with({arc(at, 20, 10, 350)}, false)}};
+  coils.print.elements[0].loop = full_circle(at, 20);
   EXPECT_TRUE(coils.measure().coils[0].with);
-  coils.print.elements[0].centrelines = {{arc(at, 20, 10, 170), 3}, {arc(at, 20, 190, 350), 3}};
-  EXPECT_FALSE(coils.measure().coils[0].with);
 }
 
 // A sheet that became 1.3 times as wide: lines along s are stretched, lines along t are not, circles at two places.
@@ -453,11 +459,11 @@ TEST(StretchedTraces, AreThoseAlongTheStretch) {
   stretch << 1.3, 0, 0, 1;
   const Sample x = hand_made::stretched(200, 40, stretch);
   VectorPrint print;
-  print.elements = {{"along", {}, {{straight({-10, 50}, {30, 50}), 1}}},
-                    {"across", {}, {{straight({50, -20}, {50, 20}), 1}}},
-                    {"ring", {}, {{bezier_circle({0, 0}, 20), 1}}},
-                    {"", {}, {{straight({60, 0}, {70, 0}), 1}, {straight({60, 9}, {70, 9}), 1}}},
-                    {"off", {}, {{straight({300, 0}, {320, 0}), 1}}}};
+  print.elements = {{"along", {}, {{straight({-10, 50}, {30, 50}), 1}}, {}},
+                    {"across", {}, {{straight({50, -20}, {50, 20}), 1}}, {}},
+                    {"ring", {}, {{bezier_circle({0, 0}, 20), 1}}, {}},
+                    {"", {}, {{straight({60, 0}, {70, 0}), 1}, {straight({60, 9}, {70, 9}), 1}}, {}},
+                    {"off", {}, {{straight({300, 0}, {320, 0}), 1}}, {}}};
   const TraceFigures figures = measure_traces(MeasuredSheet(hand_made::Charted(x)), print, 0.2);
   EXPECT_EQ(figures.traces, 4);
   EXPECT_NEAR(figures.worst_stretch, 1.3, 1e-9);

@@ -55,31 +55,38 @@ struct Case {
   std::optional<double> ink_for_ratio = {};           // the area ratio that the print states it compensates
 };
 
+Print print_with(PrintedColours colours, InkedFace face, std::vector<std::uint8_t> png,
+                 const PrintGrid& grid) {
+  Print print;
+  print.grid = grid;
+  print.layers.push_back({.name = "print", .face = face, .source = colour_layer(std::move(colours))});
+  print.layers.back().files.png = std::move(png);
+  return print;
+}
+
 ColourErrors errors_of(const Case& c) {
   const hand_made::Sample sample = hand_made::stretched(sheet_mm, 40, c.stretch);
   const auto scan = read_coloured_scan(square(-c.below_mm, c.paint), "scan.glb", Context());
   EXPECT_TRUE(scan) << scan.error().text();
   const SheetColours colours(ColouredSurface(*scan, {}), sample.sheet, colour_reach(0, 3));
-  Print print;
-  print.width = print.height = static_cast<int>(sheet_mm / dot_mm);
-  print.pixel_mm = dot_mm;
-  print.mirrored = c.said_mirrored;
-  const ColourRaster raster(colours, print.width, print.height, dot_mm);
-  PngWriter writer(print.width, print.height, 3);
-  for (int y = 0; y < print.height; y += raster.band_rows()) {
-    const int bottom = std::min(y + raster.band_rows(), print.height);
+  constexpr int side = static_cast<int>(sheet_mm / dot_mm);
+  const PrintGrid grid{side, side, dot_mm};
+  const ColourRaster raster(colours, grid);
+  PngWriter writer(side, side, 3);
+  for (int y = 0; y < side; y += raster.band_rows()) {
+    const int bottom = std::min(y + raster.band_rows(), side);
     const auto rows = raster.rows(y, bottom);
     for (int j = 0; j < bottom - y; ++j) {
-      std::vector<std::uint8_t> line(3 * static_cast<std::size_t>(print.width), 255);
-      for (int x = 0; x < print.width; ++x) {
+      std::vector<std::uint8_t> line(3 * static_cast<std::size_t>(side), 255);
+      for (int x = 0; x < side; ++x) {
         const int from = x - c.columns_off;
-        if (from < 0 || from >= print.width) continue;
-        const std::uint8_t* p = &rows[4 * static_cast<std::size_t>(j * print.width + from)];
+        if (from < 0 || from >= side) continue;
+        const std::uint8_t* p = &rows[4 * static_cast<std::size_t>(j * side + from)];
         if (p[3] == 0) continue;
         Vector3f linear;
         for (int k = 0; k < 3; ++k) linear[k] = linear_from_srgb(static_cast<float>(p[k]) / 255);
         if (c.printed_as) linear = c.printed_as(linear);
-        const int to = c.written_mirrored ? print.width - 1 - x : x;
+        const int to = c.written_mirrored ? side - 1 - x : x;
         for (int k = 0; k < 3; ++k)
           line[static_cast<std::size_t>(3 * to + k)] = static_cast<std::uint8_t>(std::lround(
               255 - p[3] / 255.0 * (255 - 255 * static_cast<double>(srgb_from_linear(linear[k])))));
@@ -87,10 +94,12 @@ ColourErrors errors_of(const Case& c) {
       writer.row(line.data());
     }
   }
-  print.png = writer.finish();
-  ColourInk ink;
-  if (c.ink_for_ratio) ink.area_ratios.assign(sample.sheet.rest.size(), *c.ink_for_ratio);
-  auto errors = colour_errors(colours, print, c.ink_for_ratio ? &ink : nullptr, 2, Context());
+  PrintedColours printed{colours};
+  if (c.ink_for_ratio)
+    printed.ink = ColourInk{InkCurve(), std::vector<double>(sample.sheet.rest.size(), *c.ink_for_ratio)};
+  const InkedFace face = c.said_mirrored ? InkedFace::inner : InkedFace::outer;
+  const Print print = print_with(std::move(printed), face, writer.finish(), grid);
+  auto errors = colour_errors(print, 2, Context());
   EXPECT_TRUE(errors);
   return *errors;
 }
@@ -186,13 +195,12 @@ TEST(ColourErrors, HaveAValueAtEveryColouredVertexAndNoOther) {
       coloured::glb(coloured::sphere(60, 160), coloured::png(8, 8, even(orange))), "scan.glb", Context());
   ASSERT_TRUE(scan);
   const SheetColours colours(ColouredSurface(*scan, {}), sample.sheet, colour_reach(0, 3));
-  Print print;
-  print.width = print.height = 1500, print.pixel_mm = 0.2;
-  PngWriter writer(print.width, print.height, 3);
+  constexpr int side = 1500;
+  PngWriter writer(side, side, 3);
   const std::vector<std::uint8_t> white(4500, 255);
-  for (int y = 0; y < print.height; ++y) writer.row(white.data());
-  print.png = writer.finish();
-  const auto errors = colour_errors(colours, print, nullptr, 3, Context());
+  for (int y = 0; y < side; ++y) writer.row(white.data());
+  const Print print = print_with({colours}, InkedFace::outer, writer.finish(), {side, side, 0.2});
+  const auto errors = colour_errors(print, 3, Context());
   ASSERT_TRUE(errors);
   const double of_white = ciede2000(lab_of(orange), lab_of(Vector3f::Ones()));
   int on_dome = 0;

@@ -254,8 +254,8 @@ TEST(FormedGlb, TexturesPutARingWhereItLiesOnThePart) {
                pattern = glb.attribute("_PATTERN"), chart = glb.attribute("_CHART");
     const auto check = [&](const char* variant, const std::vector<float>& at) {
       const Decoded image = glb.texture_of_variant(variant);
-      EXPECT_EQ(image.width, job.print.width);
-      EXPECT_EQ(image.height, job.print.height);
+      EXPECT_EQ(image.width, job.print.grid.width);
+      EXPECT_EQ(image.height, job.print.grid.height);
       int inked = 0, bare = 0;
       for (std::size_t i = 0; i < chart.size(); ++i) {
         const int column = std::clamp(static_cast<int>(place[2 * i] * image.width), 0, image.width - 1);
@@ -284,7 +284,7 @@ TEST(FormedGlb, TexturesHaveAtMost2048PixelsASide) {
   Sample x = hand_made::dome(20);
   x.settings.print.dpi = 300;
   const Job job(std::move(x));
-  ASSERT_EQ(job.print.width, 3544);
+  ASSERT_EQ(job.print.grid.width, 3544);
   const Glb glb = glb_of_job(job);
   for (const char* variant : {"pre-distorted", "printed as drawn"}) {
     const Decoded image = glb.texture_of_variant(variant);

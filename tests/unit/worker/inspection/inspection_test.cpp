@@ -306,7 +306,7 @@ TEST(Artifacts, AreAllOfThemInOrder) {
   for (const auto& kind : artifact_kinds)
     if (kind.always && !kind.name.starts_with("report.")) expected.emplace_back(kind.name);
   EXPECT_EQ(names, expected);
-  EXPECT_EQ(file(*files, "print.png"), job.print.png);
+  EXPECT_EQ(file(*files, "print.png"), job.print.top().files.png);
 }
 
 // An unevenly warm sheet and a drawing in segments: temperatures and segments are in the report, and previews show them.
@@ -314,14 +314,13 @@ TEST(Artifacts, ShowTheTemperatureAndTheSegmentsWhereThereAreAny) {
   Job job = small_dome();
   for (std::size_t v = 0; v < job.sample.sheet.rest.size(); ++v)
     job.sample.sheet.temperature[v] = 140 + 0.3 * job.sample.sheet.rest[v].x();
-  Finished finished = job.finished();
-  finished.heat = {HeatSource::heaters, 120, 140, 160, 31.25, 2.5};
   job.sample.settings.pattern.placement = PatternPlacement::segments;
   job.sample.settings.pattern.distortion_limit = 10;
-  const auto placement = place(hand_made::Charted(job.sample), nullptr, job.sample.settings, Context());
-  ASSERT_TRUE(placement);
-  finished.placement = &*placement;
-  job.print.colours = Print::Layer{{1}, "<svg/>", {2}};
+  job.placement = *place(hand_made::Charted(job.sample), nullptr, job.sample.settings, Context());
+  Finished finished = job.finished();
+  finished.heat = {HeatSource::heaters, 120, 140, 160, 31.25, 2.5};
+  job.print.layers.push_back(
+      {.name = "colours", .source = job.print.top().source, .files = {{1}, "<svg/>", {2}}});
   const auto files = artifacts(finished, Context());
   ASSERT_TRUE(files);
   const auto r = report(finished);
@@ -343,8 +342,49 @@ TEST(Artifacts, ShowTheTemperatureAndTheSegmentsWhereThereAreAny) {
   for (const char* name : {"preview-temperature.png", "preview-segments.png"})
     EXPECT_EQ(decode_png(file(*files, name)).width, 1000);
   EXPECT_EQ(r["segments"]["count"], 1);
-  EXPECT_NEAR(r["segments"]["segments"][0]["distortion"].get<double>(), placement->charts[0].distortion,
+  EXPECT_NEAR(r["segments"]["segments"][0]["distortion"].get<double>(), job.placement.charts[0].distortion,
               1e-4);
+}
+
+// A black ring over a red square: pictures show the lower layer where the upper one has no ink, and their colours.
+TEST(SheetPicture, ShowsLayersOverEachOther) {
+  Job job = small_dome();
+  const Pattern square = *Pattern::read(
+      bytes_of("<svg xmlns='http://www.w3.org/2000/svg' width='60mm' height='50mm' viewBox='-30 -25 60 50'>"
+               "<rect x='-25' y='-5' width='50' height='10' fill='#c00'/></svg>"),
+      "square", job.sample.settings.pattern, job.sample.settings.print.dpi);
+  EXPECT_TRUE(in_black(job.print));
+  job.print.layers.push_back(
+      {.name = "colours", .source = picture_layer(square, job.placement, nullptr, false)});
+  EXPECT_FALSE(in_black(job.print));
+  const Finished finished = job.finished();
+  const SheetPicture picture(finished);
+  // The places of the sheet where the drawing has these coordinates.
+  const auto seen = [&](const Vector2d& uv) {
+    const auto& triangles = job.sample.flattening.triangles;
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      const auto& corners = job.print.pattern_uv[i];
+      Matrix2d sides;
+      sides << corners[1] - corners[0], corners[2] - corners[0];
+      const Vector2d weights = sides.inverse() * (uv - corners[0]);
+      if (weights.minCoeff() < 0 || weights.sum() > 1) continue;
+      const Triangle& t = job.sample.sheet.triangles[static_cast<std::size_t>(triangles[i])];
+      const auto rest = [&](std::size_t k) { return job.sample.sheet.rest[static_cast<std::size_t>(t[k])]; };
+      const Vector2d at = rest(0) + weights.x() * (rest(1) - rest(0)) + weights.y() * (rest(2) - rest(0));
+      return std::pair(picture.sample(at, 0.05), picture.over_lower(Ink{0, 1, 0, 0.5F}, at, 0.05));
+    }
+    throw std::runtime_error("off the chart");
+  };
+  const auto [ring, half_over] = seen({20, 0});
+  EXPECT_NEAR(ring.r, 0, 0.01);
+  EXPECT_NEAR(ring.a, 1, 0.01);
+  EXPECT_NEAR(half_over.a, 1, 0.01);  // half green, the rest red from below
+  EXPECT_NEAR(half_over.g, 0.5, 0.01);
+  EXPECT_NEAR(half_over.r, 0.4, 0.01);
+  const Ink red = seen({0, 0}).first;
+  EXPECT_NEAR(red.r, 0.8, 0.01);
+  EXPECT_NEAR(red.a, 1, 0.01);
+  EXPECT_NEAR(seen({0, 12}).first.a, 0, 0.01);
 }
 
 TEST(Artifacts, AreTheSameBytesTwice) {
@@ -441,7 +481,7 @@ TEST(Artifacts, TheTexturedObjShowsThePrintWhereItIs) {
     ASSERT_EQ(v.size(), job.sample.sheet.formed.size());
     ASSERT_EQ(vt.size(), v.size());
     EXPECT_EQ(lines(obj, "f").size(), job.sample.sheet.triangles.size());
-    const Decoded image = decode_png(job.print.png);
+    const Decoded image = decode_png(job.print.top().files.png);
     int inked = 0;
     for (std::size_t i = 0; i < v.size(); ++i) {
       const int column = std::clamp(static_cast<int>(vt[i][0] * image.width), 0, image.width - 1);

@@ -110,7 +110,7 @@ TEST(Captions, FitAtAnyNumber) {
   table.with.coils = 511;
   table.with.mean_shape_error = 9.8765, table.with.worst_shape_error = 123.4567,
   table.with.mean_area_error = 45.6789;
-  const std::string longest = coils_caption(table, &CoilTable::with);
+  const std::string longest = coils_caption(table, Way::with);
   for (const std::string& figures : {longest, ink_caption(0.1234, 0.1111), colours_caption(0.4567)}) {
     Picture picture{1000, 1000, std::vector<std::uint32_t>(1'000'000, 0xffffffffu)};
     write({"The pre-distorted print, formed over a head with a very long title that nobody shortened",

@@ -17,10 +17,11 @@ using hand_made::Sample;
 // Rows of a drawing of one black rectangle.
 class Rectangle : public RowSource {
  public:
-  Rectangle(const LaidInk::Grid& grid, const Vector2d& low, const Vector2d& high)
+  Rectangle(const PrintGrid& grid, const Vector2d& low, const Vector2d& high)
       : grid_(grid), low_(low), high_(high) {}
   PixelBox box() const override { return {0, 0, grid_.width, grid_.height}; }
   int band_rows() const override { return 50; }
+  int channels() const override { return 1; }
   std::vector<std::uint8_t> rows(int top, int bottom) const override {
     std::vector<std::uint8_t> gray;
     for (int j = top; j < bottom; ++j)
@@ -34,7 +35,7 @@ class Rectangle : public RowSource {
   }
 
  private:
-  LaidInk::Grid grid_;
+  PrintGrid grid_;
   Vector2d low_, high_;
 };
 
@@ -48,9 +49,9 @@ TEST(LaidInk, CountsWhatLiesOnTheHeadByItsFormedArea) {
     return std::any_of(c.begin(), c.end(),
                        [&](int v) { return x.sheet.rest[static_cast<std::size_t>(v)].x() > 0; });
   });
-  const LaidInk::Grid grid(100, 100);
+  const PrintGrid grid = LaidInk::grid_of(100, 100);
   const auto share = [&](double left, double right) {
-    return LaidInk(Rectangle(grid, {left, -10}, {right, 10}), grid, 1).share_on(hand_made::Charted(x));
+    return LaidInk(Rectangle(grid, {left, -10}, {right, 10}), grid).share_on(hand_made::Charted(x));
   };
   EXPECT_NEAR(share(-20, 20), 0.25, 0.005);
   EXPECT_EQ(share(-30, -5), 1);
@@ -58,8 +59,8 @@ TEST(LaidInk, CountsWhatLiesOnTheHeadByItsFormedArea) {
 }
 
 TEST(LaidInk, KnowsWhatIsNearIt) {
-  const LaidInk::Grid grid(100, 100);
-  const LaidInk ink(Rectangle(grid, {0, 0}, {10, 10}), grid, 1);
+  const PrintGrid grid = LaidInk::grid_of(100, 100);
+  const LaidInk ink(Rectangle(grid, {0, 0}, {10, 10}), grid);
   EXPECT_TRUE(ink.any_near({-1.8, 5}, 2));
   EXPECT_FALSE(ink.any_near({-2.3, 5}, 2));
   EXPECT_FALSE(ink.any_near({500, 5}, 2));
@@ -84,8 +85,8 @@ std::vector<Vector2d> steps_of_a_circle() {
 }
 
 TEST(MoldOutline, IsASmoothCurveAndNotTheStepsOfTheGrid) {
-  const LaidInk::Grid grid(200, 200);
-  const LaidInk none(Rectangle(grid, {90, 90}, {95, 95}), grid, 1);
+  const PrintGrid grid = LaidInk::grid_of(200, 200);
+  const LaidInk none(Rectangle(grid, {90, 90}, {95, 95}), grid);
   const auto lines = mold_outline({steps_of_a_circle()}, 1.5, none);
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_TRUE(lines[0].closed && lines[0].dashed);
@@ -99,8 +100,8 @@ TEST(MoldOutline, IsASmoothCurveAndNotTheStepsOfTheGrid) {
 }
 
 TEST(MoldOutline, StopsBesideTheInkAndIsDrawnEverywhereElse) {
-  const LaidInk::Grid grid(200, 200);
-  const LaidInk ink(Rectangle(grid, {40, -10}, {60, 10}), grid, 1);
+  const PrintGrid grid = LaidInk::grid_of(200, 200);
+  const LaidInk ink(Rectangle(grid, {40, -10}, {60, 10}), grid);
   const auto lines = mold_outline({steps_of_a_circle()}, 1.5, ink);
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_FALSE(lines[0].closed);

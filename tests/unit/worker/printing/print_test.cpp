@@ -34,8 +34,16 @@ Result<Print> try_print(const Sample& x, const Pattern& pattern, const PrintLabe
                         const Context& context = Context()) {
   const auto placement = place(hand_made::Charted(x), nullptr, x.settings, Context());
   if (!placement) throw std::runtime_error(placement.error().text());
-  return make_print(hand_made::Charted(x), pattern, nullptr, *placement, x.settings, label, context);
+  return make_print({.charted = hand_made::Charted(x),
+                     .placement = *placement,
+                     .settings = x.settings,
+                     .label = label,
+                     .layers = {{.name = "print",
+                                 .face = x.settings.pattern.inked_face,
+                                 .source = picture_layer(pattern, *placement, nullptr, false)}}},
+                    context);
 }
+// The source of its layer refers to a placement that is gone: only what was made from it may be read.
 Print print_of(const Sample& x, const Pattern& pattern) {
   auto print = try_print(x, pattern);
   if (!print) throw std::runtime_error(print.error().text());
@@ -46,22 +54,23 @@ Print print_of(const Sample& x, const Pattern& pattern) {
 struct Extent {
   double area = 0, s = 0, t = 0, left = 1e9, right = -1e9, low = 1e9, high = -1e9;
 };
-Extent extent(const Print& print) {
-  const Decoded image = decode_png(print.png);
+Extent extent(const Layer& layer, double pixel_mm) {
+  const Decoded image = decode_png(layer.files.png);
   Extent e;
   for (int j = 0; j < image.height; ++j)
     for (int i = 0; i < image.width; ++i) {
       const double ink = (255 - image.at(i, j)) / 255.0 * image.at(i, j, 3) / 255.0;
-      const double s = (i + 0.5 - 0.5 * image.width) * print.pixel_mm,
-                   t = (0.5 * image.height - j - 0.5) * print.pixel_mm;
+      const double s = (i + 0.5 - 0.5 * image.width) * pixel_mm,
+                   t = (0.5 * image.height - j - 0.5) * pixel_mm;
       e.area += ink, e.s += ink * s, e.t += ink * t;
       if (ink < 0.5) continue;
       e.left = std::min(e.left, s), e.right = std::max(e.right, s), e.low = std::min(e.low, t),
       e.high = std::max(e.high, t);
     }
-  e.s /= e.area, e.t /= e.area, e.area *= print.pixel_mm * print.pixel_mm;
+  e.s /= e.area, e.t /= e.area, e.area *= pixel_mm * pixel_mm;
   return e;
 }
+Extent extent(const Print& print) { return extent(print.top(), print.grid.pixel_mm); }
 
 TEST(Print, AFlatSheetGivesTheDrawingBack) {
   // 100 mm of drawing in pixels of 0.1 mm on 120 mm of sheet at the same resolution: the pixels coincide.
@@ -72,7 +81,7 @@ TEST(Print, AFlatSheetGivesTheDrawingBack) {
     return static_cast<int>(std::lround(127.5 + 100 * std::sin(i / 25.0) * std::cos(j / 31.0)));
   };
   const Print print = print_of(x, pattern_of(gray_png(1000, 1000, 10000, gray), x.settings));
-  const Decoded image = decode_png(print.png);
+  const Decoded image = decode_png(print.top().files.png);
   ASSERT_EQ(image.width, 1200);
   ASSERT_EQ(image.height, 1200);
   int worst = 0;
@@ -80,7 +89,7 @@ TEST(Print, AFlatSheetGivesTheDrawingBack) {
     for (int i = 1; i < 999; ++i) worst = std::max(worst, std::abs(image.at(i + 100, j + 100) - gray(i, j)));
   EXPECT_LE(worst, 1);
   EXPECT_EQ(image.at(50, 600), 255);  // off the drawing
-  EXPECT_NEAR(print.ink_printed, 1, 1e-6);
+  EXPECT_NEAR(print.top().ink_printed, 1, 1e-6);
   EXPECT_TRUE(print.warnings.empty());
 }
 
@@ -94,14 +103,15 @@ TEST(Print, PutsTheExactResolutionIntoTheFile) {
     put32(expected, static_cast<std::uint32_t>(per_metre));
     put32(expected, static_cast<std::uint32_t>(per_metre));
     expected.push_back(1);
-    const auto at = static_cast<std::ptrdiff_t>(chunk(print.png, "pHYs"));
+    const auto at = static_cast<std::ptrdiff_t>(chunk(print.top().files.png, "pHYs"));
     ASSERT_GT(at, 0);
-    EXPECT_EQ(Bytes(print.png.begin() + at, print.png.begin() + at + 9), expected) << dpi;
-    EXPECT_EQ(print.width, pixels);
-    EXPECT_EQ(print.height, pixels);
-    const Decoded image = decode_png(print.png);
+    EXPECT_EQ(Bytes(print.top().files.png.begin() + at, print.top().files.png.begin() + at + 9), expected)
+        << dpi;
+    EXPECT_EQ(print.grid.width, pixels);
+    EXPECT_EQ(print.grid.height, pixels);
+    const Decoded image = decode_png(print.top().files.png);
     EXPECT_EQ(image.width, pixels);
-    EXPECT_EQ(print.png[chunk(print.png, "IHDR") + 9], 0) << "gray";
+    EXPECT_EQ(print.top().files.png[chunk(print.top().files.png, "IHDR") + 9], 0) << "gray";
   }
 }
 
@@ -159,9 +169,9 @@ TEST(Print, TheInnerFaceIsTheOuterMirrored) {
     const Print outer = print_of(x, svg_pattern(body, 70, x.settings));
     x.settings.pattern.inked_face = InkedFace::inner;
     const Print inner = print_of(x, svg_pattern(body, 70, x.settings));
-    EXPECT_FALSE(outer.mirrored);
-    EXPECT_TRUE(inner.mirrored);
-    const Decoded a = decode_png(outer.png), b = decode_png(inner.png);
+    EXPECT_FALSE(outer.top().mirrored());
+    EXPECT_TRUE(inner.top().mirrored());
+    const Decoded a = decode_png(outer.top().files.png), b = decode_png(inner.top().files.png);
     ASSERT_EQ(a.width, b.width);
     bool differs = false;
     for (int j = 0; j < a.height; ++j)
@@ -175,6 +185,52 @@ TEST(Print, TheInnerFaceIsTheOuterMirrored) {
     EXPECT_LT(inner.picture_uv({20, 0}).x(), 0.5);
     EXPECT_EQ(inner.picture_uv({20, 30}).y(), outer.picture_uv({20, 30}).y());
   }
+}
+
+// A dot to the right in the middle of the outer face, and one above it in part off the chart, on the inner face.
+TEST(Print, EachLayerHasItsOwnInkFaceAndFiles) {
+  Sample x = hand_made::flat(200, 40, 60);
+  x.settings.print.dpi = 100;
+  const auto placement = place(hand_made::Charted(x), nullptr, x.settings, Context());
+  ASSERT_TRUE(placement);
+  const Pattern right = svg_pattern("<circle cx='15' r='8'/>", 140, x.settings),
+                above = svg_pattern("<circle cx='10' cy='-55' r='8' fill='#c00'/>", 140, x.settings);
+  const auto printed = [&](bool marks) {
+    x.settings.print.marks = marks;
+    auto print = make_print({.charted = hand_made::Charted(x),
+                             .placement = *placement,
+                             .settings = x.settings,
+                             .label = {"3f9a12c4"},
+                             .layers = {{.name = "print",
+                                         .face = InkedFace::outer,
+                                         .source = picture_layer(right, *placement, nullptr, false)},
+                                        {.name = "colours",
+                                         .face = InkedFace::inner,
+                                         .source = picture_layer(above, *placement, nullptr, false)}}},
+                            Context());
+    if (!print) throw std::runtime_error(print.error().text());
+    return std::move(*print);
+  };
+  const Print bare = printed(false);
+  ASSERT_EQ(bare.layers.size(), 2u);
+  const Extent first = extent(bare.layers[0], bare.grid.pixel_mm),
+               second = extent(bare.layers[1], bare.grid.pixel_mm);
+  EXPECT_NEAR(first.s, 15, 0.1);
+  EXPECT_NEAR(first.t, 0, 0.1);
+  EXPECT_NEAR(second.s, -10, 1);  // mirrored
+  EXPECT_GT(second.t, 50);
+  EXPECT_EQ(bare.layers[0].ink_printed, 1);
+  EXPECT_GT(bare.layers[1].ink_printed, 0.2);
+  EXPECT_LT(bare.layers[1].ink_printed, 0.8);
+  ASSERT_EQ(bare.warnings.size(), 1u);
+  EXPECT_EQ(bare.warnings[0].code, "ink-off-chart");
+
+  const Print marked = printed(true);
+  const std::string &outer = marked.layers[0].files.svg, &inner = marked.layers[1].files.svg;
+  EXPECT_NE(outer.find("outer face, seen from above"), std::string::npos);
+  EXPECT_EQ(outer.find("scale(-1 1)"), std::string::npos);
+  EXPECT_NE(inner.find("inner face, MIRRORED"), std::string::npos);
+  EXPECT_NE(inner.find("scale(-1 1)"), std::string::npos);
 }
 
 TEST(Print, HasNoSeamsAndASmoothBorder) {
@@ -193,12 +249,12 @@ TEST(Print, HasNoSeamsAndASmoothBorder) {
   const Print print =
       print_of(x, svg_pattern("<rect x='-80' y='-80' width='160' height='160'/>", 140, x.settings));
   EXPECT_NEAR(extent(print).area, chart, 0.002 * chart);
-  const Decoded image = decode_png(print.png);
+  const Decoded image = decode_png(print.top().files.png);
   int grays = 0;
   for (int j = 0; j < image.height; ++j)
     for (int i = 0; i < image.width; ++i) {
-      const double s = (i + 0.5 - 0.5 * image.width) * print.pixel_mm,
-                   t = (0.5 * image.height - j - 0.5) * print.pixel_mm;
+      const double s = (i + 0.5 - 0.5 * image.width) * print.grid.pixel_mm,
+                   t = (0.5 * image.height - j - 0.5) * print.grid.pixel_mm;
       const double r = std::hypot(s, t);
       ASSERT_TRUE(r > 35 || image.at(i, j) == 0) << i << ", " << j;
       ASSERT_TRUE(r < 40.2 || image.at(i, j) == 255) << i << ", " << j;
@@ -213,8 +269,8 @@ constexpr const char* orange =
 TEST(Print, ColourLiesOnWhite) {
   const Sample x = hand_made::flat(100, 10);
   const Print print = print_of(x, svg_pattern(orange, 40, x.settings));
-  const Decoded image = decode_png(print.png);
-  EXPECT_EQ(print.png[chunk(print.png, "IHDR") + 9], 2) << "RGB";
+  const Decoded image = decode_png(print.top().files.png);
+  EXPECT_EQ(print.top().files.png[chunk(print.top().files.png, "IHDR") + 9], 2) << "RGB";
   const int middle = image.width / 2;
   EXPECT_NEAR(image.at(middle, middle, 0), 228, 1);
   EXPECT_NEAR(image.at(middle, middle, 1), 178, 1);
@@ -234,8 +290,8 @@ TEST(Print, ColourIsKeptAndTheRestIsTransparentWhereThatIsAskedFor) {
   x.settings.print.marks = false;
   x.settings.print.background = Background::transparent;
   const Print print = print_of(x, svg_pattern(orange, 40, x.settings));
-  const Decoded image = decode_png(print.png);
-  EXPECT_EQ(print.png[chunk(print.png, "IHDR") + 9], 6) << "RGBA";
+  const Decoded image = decode_png(print.top().files.png);
+  EXPECT_EQ(print.top().files.png[chunk(print.top().files.png, "IHDR") + 9], 6) << "RGBA";
   const int middle = image.width / 2;
   EXPECT_NEAR(image.at(middle, middle, 0), 200, 1);
   EXPECT_NEAR(image.at(middle, middle, 1), 100, 1);
@@ -248,10 +304,10 @@ TEST(Print, TellsHowMuchInkFallsOffTheChart) {
   Sample x = hand_made::flat(80, 20);
   x.settings.print.marks = false;
   // A bar through the middle; the sheet covers 80 of its 100 mm.
-  const Print print =
-      print_of(x, svg_pattern("<rect x='-50' y='-1' width='100' height='2'/>", 110, x.settings));
-  EXPECT_NEAR(print.ink_area_mm2, 200, 0.5);
-  EXPECT_NEAR(print.ink_printed, 0.8, 0.002);
+  const Pattern pattern = svg_pattern("<rect x='-50' y='-1' width='100' height='2'/>", 110, x.settings);
+  const Print print = print_of(x, pattern);
+  EXPECT_NEAR(pattern.ink_mm2(), 200, 0.5);
+  EXPECT_NEAR(print.top().ink_printed, 0.8, 0.002);
   ASSERT_EQ(print.warnings.size(), 1u);
   EXPECT_EQ(print.warnings[0].code, "ink-off-chart");
   EXPECT_TRUE(print.warnings[0].text.ends_with(
@@ -270,8 +326,9 @@ TEST(Print, DrawsTheMoldsOutlineAlsoWhereTheDrawingCrossesIt) {
   const Sample x = hand_made::flat(200, 40, 60);
   const Print print =
       print_of(x, svg_pattern("<rect x='-60' y='-1' width='120' height='2'/>", 125, x.settings));
-  EXPECT_NE(print.svg.find("mark-mold-outline"), std::string::npos);
-  EXPECT_EQ(print.ink_on_head, print.ink_printed);  // a picture on the chart is printed only there
+  EXPECT_NE(print.top().files.svg.find("mark-mold-outline"), std::string::npos);
+  EXPECT_EQ(print.top().ink_on_head,
+            print.top().ink_printed);  // a picture on the chart is printed only there
 }
 
 TEST(Print, ReturnsToTheDrawingThroughTheFormedPart) {
@@ -281,7 +338,7 @@ TEST(Print, ReturnsToTheDrawingThroughTheFormedPart) {
   x.settings.print.marks = false;
   const Pattern pattern = pattern_of(ring_file("rings-7x40mm.svg"), x.settings);
   const Print print = print_of(x, pattern);
-  const Decoded image = decode_png(print.png);
+  const Decoded image = decode_png(print.top().files.png);
   const double shrink = 70 / (60 * 80 * M_PI / 180);  // from the chart's radius to the sheet's
   int both = 0, either = 0;
   for (double v = -50; v <= 50; v += 0.2)
@@ -302,15 +359,15 @@ TEST(Print, MarksKeepOffThePatternAndTheMargin) {
   x.settings.print.marks = false;
   const Pattern pattern =
       svg_pattern("<circle r='30' fill='none' stroke='#000' stroke-width='2'/>", 70, x.settings);
-  const Decoded bare = decode_png(print_of(x, pattern).png);
+  const Decoded bare = decode_png(print_of(x, pattern).top().files.png);
   x.settings.print.marks = true;
   const Print marked = print_of(x, pattern);
-  const Decoded image = decode_png(marked.png);
+  const Decoded image = decode_png(marked.top().files.png);
   int added = 0, outline = 0;
   for (int j = 0; j < image.height; ++j)
     for (int i = 0; i < image.width; ++i) {
-      const double s = (i + 0.5 - 0.5 * image.width) * marked.pixel_mm,
-                   t = (0.5 * image.height - j - 0.5) * marked.pixel_mm;
+      const double s = (i + 0.5 - 0.5 * image.width) * marked.grid.pixel_mm,
+                   t = (0.5 * image.height - j - 0.5) * marked.grid.pixel_mm;
       if (image.at(i, j) == bare.at(i, j)) continue;
       ++added;
       // Except for the mold's outline, between the pattern and the marks.
@@ -323,7 +380,7 @@ TEST(Print, MarksKeepOffThePatternAndTheMargin) {
     }
   EXPECT_GT(added, 5000);
   // Half of 4 x 120 mm is dashed, in lines of about two pixels.
-  EXPECT_NEAR(outline, 240 / marked.pixel_mm * 2, 240 / marked.pixel_mm);
+  EXPECT_NEAR(outline, 240 / marked.grid.pixel_mm * 2, 240 / marked.grid.pixel_mm);
   EXPECT_TRUE(marked.warnings.empty());
 }
 
@@ -345,7 +402,7 @@ TEST(Print, TheLegendIsWrappedOnANarrowSheet) {
   const Print print = print_of(x, svg_pattern("<circle r='10'/>", 30, x.settings));
   EXPECT_TRUE(print.warnings.empty());
   pugi::xml_document svg;
-  ASSERT_TRUE(svg.load_string(print.svg.c_str()));
+  ASSERT_TRUE(svg.load_string(print.top().files.svg.c_str()));
   const auto marks = svg.child("svg").find_child_by_attribute("g", "id", "marks");
   std::vector<std::string> legend;
   for (const auto& text : marks.find_child_by_attribute("g", "id", "mark-legend").children("text")) {
@@ -386,7 +443,7 @@ TEST(Print, TheSvgIsTheSamePrintAtOneToOne) {
     x.settings.pattern.inked_face = face;
     const Print print = print_of(x, svg_pattern("<path d='M0,0 L30,0 L30,10 Z'/>", 70, x.settings));
     pugi::xml_document svg;
-    ASSERT_TRUE(svg.load_string(print.svg.c_str()));
+    ASSERT_TRUE(svg.load_string(print.top().files.svg.c_str()));
     const pugi::xml_node root = svg.child("svg");
     EXPECT_STREQ(root.attribute("width").value(), "200.000mm");
     EXPECT_STREQ(root.attribute("height").value(), "180.000mm");
@@ -402,16 +459,16 @@ TEST(Print, TheSvgIsTheSamePrintAtOneToOne) {
                           "   ·   scale 1:1, check with the ruler");
 
     // Its picture is the chart's part of print.png, in the same position.
-    const Decoded part = embedded(svg), whole = decode_png(print.png);
+    const Decoded part = embedded(svg), whole = decode_png(print.top().files.png);
     const pugi::xml_node image = pattern.child("image");
     const double left = image.attribute("x").as_double(), top = image.attribute("y").as_double();
-    EXPECT_NEAR(image.attribute("width").as_double(), part.width * print.pixel_mm, 1e-5);
-    const int i0 = static_cast<int>(std::lround(left / print.pixel_mm + 0.5 * whole.width));
-    const int j0 = static_cast<int>(std::lround(top / print.pixel_mm + 0.5 * whole.height));
+    EXPECT_NEAR(image.attribute("width").as_double(), part.width * print.grid.pixel_mm, 1e-5);
+    const int i0 = static_cast<int>(std::lround(left / print.grid.pixel_mm + 0.5 * whole.width));
+    const int j0 = static_cast<int>(std::lround(top / print.grid.pixel_mm + 0.5 * whole.height));
     for (int j = 0; j < part.height; ++j)
       for (int i = 0; i < part.width; ++i) {
         // The mold's outline is a mark, at 55 mm and more.
-        if (std::hypot(i0 + i - 0.5 * whole.width, j0 + j - 0.5 * whole.height) * print.pixel_mm > 50)
+        if (std::hypot(i0 + i - 0.5 * whole.width, j0 + j - 0.5 * whole.height) * print.grid.pixel_mm > 50)
           continue;
         const int column = face == InkedFace::inner ? whole.width - 1 - (i0 + i) : i0 + i;
         ASSERT_EQ(part.at(i, j), whole.at(column, j0 + j));
@@ -431,12 +488,12 @@ TEST(Print, TheSvgLooksLikeThePng) {
     Sample made = hand_made::flat(200, 40, 60);
     made.settings.pattern.inked_face = face;
     const Print print = print_of(made, svg_pattern("<path d='M0,0 L30,0 L30,10 Z'/>", 70, made.settings));
-    const Decoded image = decode_png(print.png);
-    const auto drawn = Pattern::read(bytes_of(print.svg), "print.svg", PatternSettings{}, 300);
+    const Decoded image = decode_png(print.top().files.png);
+    const auto drawn = Pattern::read(bytes_of(print.top().files.svg), "print.svg", PatternSettings{}, 300);
     ASSERT_TRUE(drawn) << drawn.error().text();
     // In blocks of a third of a millimetre: edges may be drawn slightly softer, but everything is in its position. The
     // texts at the front and back are spaced by other rules there.
-    const int strip = static_cast<int>(10 / print.pixel_mm);
+    const int strip = static_cast<int>(10 / print.grid.pixel_mm);
     constexpr int block = 4;
     double differing = 0, inked = 0;
     for (int j = strip; j + block <= image.height - strip; j += block)
@@ -444,8 +501,8 @@ TEST(Print, TheSvgLooksLikeThePng) {
         double png = 0, svg = 0;
         for (int y = j; y < j + block; ++y)
           for (int x = i; x < i + block; ++x) {
-            const Eigen::Vector2d at((x + 0.5 - 0.5 * image.width) * print.pixel_mm,
-                                     (0.5 * image.height - y - 0.5) * print.pixel_mm);
+            const Eigen::Vector2d at((x + 0.5 - 0.5 * image.width) * print.grid.pixel_mm,
+                                     (0.5 * image.height - y - 0.5) * print.grid.pixel_mm);
             png += 1 - image.at(x, y) / 255.0;
             svg += drawn->sample(at, 0).coverage();
           }
@@ -465,14 +522,14 @@ TEST(Print, ALabelCannotBreakTheSvg) {
     const auto print = try_print(x, pattern, label);
     ASSERT_TRUE(print);
     pugi::xml_document svg;
-    ASSERT_TRUE(svg.load_string(print->svg.c_str()));
+    ASSERT_TRUE(svg.load_string(print->top().files.svg.c_str()));
     EXPECT_FALSE(svg.find_node([](const auto& n) { return std::string(n.name()) == "script"; }));
   }
 }
 
 std::string legend_of(const Print& print) {
   pugi::xml_document svg;
-  EXPECT_TRUE(svg.load_string(print.svg.c_str()));
+  EXPECT_TRUE(svg.load_string(print.top().files.svg.c_str()));
   const auto legend =
       svg.find_node([](const auto& n) { return std::string(n.attribute("id").value()) == "mark-legend"; });
   std::string text;
@@ -487,13 +544,13 @@ TEST(Print, SaysTheReferenceOfTheJob) {
   const auto print = try_print(x, pattern, {"3f9a12c4", "Köln (2) <&> \\ 7"});
   ASSERT_TRUE(print);
   pugi::xml_document svg;
-  ASSERT_TRUE(svg.load_string(print->svg.c_str()));
+  ASSERT_TRUE(svg.load_string(print->top().files.svg.c_str()));
   EXPECT_STREQ(svg.child("svg").child_value("title"), "Vacuform print 3f9a12c4, reference Köln (2) <&> \\ 7");
   EXPECT_NE(legend_of(*print).find("reference Köln (2) <&> \\ 7   ·   Vacuform 3f9a12c4"), std::string::npos)
       << legend_of(*print);
   EXPECT_EQ(legend_of(without).find("reference"), std::string::npos);
-  EXPECT_NE(print->png, without.png);
-  EXPECT_NE(print->pdf, without.pdf);
+  EXPECT_NE(print->top().files.png, without.top().files.png);
+  EXPECT_NE(print->top().files.pdf, without.top().files.pdf);
   EXPECT_EQ(print->warnings.size(), without.warnings.size());
 }
 
@@ -516,9 +573,9 @@ TEST(Print, GivesTheSameBytesTwice) {
         std::string("<circle r='30' fill='none' stroke-width='3' stroke='") + colour + "'/>";
     const Print a = print_of(x, svg_pattern(body, 70, x.settings)),
                 b = print_of(x, svg_pattern(body, 70, x.settings));
-    EXPECT_EQ(a.png, b.png);
-    EXPECT_EQ(a.svg, b.svg);
-    EXPECT_EQ(a.pdf, b.pdf);
+    EXPECT_EQ(a.top().files.png, b.top().files.png);
+    EXPECT_EQ(a.top().files.svg, b.top().files.svg);
+    EXPECT_EQ(a.top().files.pdf, b.top().files.pdf);
   }
 }
 

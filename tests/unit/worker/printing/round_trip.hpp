@@ -84,14 +84,21 @@ inline void expect_round_rings(const Bytes& scan, std::optional<double> trim_mm)
   const auto pattern = Pattern::read(bytes, "rings", head.settings.pattern, head.settings.print.dpi);
   ASSERT_TRUE(pattern);
   std::vector<Warning> warnings;
-  const auto drawing = read_drawing(bytes, *pattern, warnings);
+  const auto drawing = read_drawing(*pattern, warnings);
   ASSERT_TRUE(drawing);
   const auto placement = place(charted, &*drawing, head.settings, Context());
   ASSERT_TRUE(placement);
   ASSERT_EQ(placement->elements.size(), 7u);
-  const auto print = make_print(charted, *pattern, &*drawing, *placement, head.settings, {}, Context());
+  const auto source = drawing_layer(*pattern, *drawing, *placement, head.settings, Context());
+  ASSERT_TRUE(source);
+  const auto print = make_print({.charted = charted,
+                                 .placement = *placement,
+                                 .settings = head.settings,
+                                 .label = {},
+                                 .layers = {{.name = "print", .source = *source}}},
+                                Context());
   ASSERT_TRUE(print);
-  const Decoded image = decode_png(print->png);
+  const Decoded image = decode_png(print->top().files.png);
 
   constexpr double reach = 24;
   const auto& inked = head.surface.inked();

@@ -7,6 +7,7 @@
 
 #include "worker/pattern/area.hpp"
 #include "worker/pattern/curve.hpp"
+#include "worker/pattern/sorting.hpp"
 #include "worker/printing/curve_fit.hpp"
 #include "worker/printing/seam_gap.hpp"
 
@@ -183,7 +184,7 @@ TEST(VectorPrint, AFilledRingHasTheMiddleOfItsEdgesAsItsCentreLine) {
   ring.curves.push_back(circle({0, 0}, 18.5));
   ring.even_odd = true;
   const auto printed = [&](const std::string& id) {
-    return pull(drawing_of({{.id = id, .centre = {0, 0}, .shapes = {ring}}}), placement).elements[0];
+    return pull(drawing_of({one_element(id, {ring})}), placement).elements[0];
   };
   const PrintedElement coil = printed("coil");
   EXPECT_EQ(coil.areas.size(), 1u);

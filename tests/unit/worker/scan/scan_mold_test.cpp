@@ -476,6 +476,24 @@ TEST(Fit, SaysWhatIsTooLargeByHowMuch) {
   EXPECT_TRUE(check_fit(block(180, 180, 50), sheet, machine));
 }
 
+// A figurine of 45 mm that was taken for one of 450.
+TEST(Fit, ProposesTheUnitsThatFitIfTheUnitWasGuessed) {
+  Mold mold = block(450, 300, 200);
+  mold.findings.unit = Unit::cm;
+  Warning guessed{"units-guessed", "the unit was taken to be cm"};
+  for (const Unit unit : {Unit::mm, Unit::in})
+    guessed.proposals.push_back({{{"scan.units", name(unit)}}, ""});
+  mold.warnings.push_back(guessed);
+  const auto refused = check_fit(mold, {}, {});
+  ASSERT_FALSE(refused);
+  const auto& proposals = refused.error().proposals;
+  ASSERT_GE(proposals.size(), 2u);  // inches would be too large, too
+  EXPECT_EQ(options_of(proposals[0]), "--set scan.units=mm");
+  EXPECT_EQ(options_of(proposals[1]).find("scan.units"), std::string::npos);
+  EXPECT_TRUE(refused.error().fix.starts_with("check the unit, which was guessed: --set scan.units=mm; or "))
+      << refused.error().fix;
+}
+
 // The settings that a refusal proposes, taken over.
 TEST(Fit, TheProposalOfARefusalWorks) {
   for (const WindowShape shape : {WindowShape::rectangle, WindowShape::circle})

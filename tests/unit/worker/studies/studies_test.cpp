@@ -7,7 +7,7 @@
 #include "tests/unit/fixtures/shapes.hpp"
 #include "worker/forming/sheet_map.hpp"
 #include "worker/numerics/rigid_fit.hpp"
-#include "worker/stage/portion.hpp"
+#include "worker/stage/sub_progress.hpp"
 #include "worker/studies/convergence.hpp"
 #include "worker/studies/measured_grid.hpp"
 #include "worker/studies/sensitivity.hpp"
@@ -19,13 +19,13 @@ std::span<const std::uint8_t> bytes_of(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-TEST(Portion, MovesTheWholeAndIsCancelledWithIt) {
+TEST(SubProgress, MovesTheWholeAndIsCancelledWithIt) {
   std::vector<double> heard;
   Context whole([&](Stage stage, double fraction) {
     EXPECT_EQ(stage, Stage::forming);
     heard.push_back(fraction);
   });
-  const Portion part(whole, Stage::forming, 0.25, 0.75);
+  const SubProgress part(whole, {Stage::forming, 0.25, 0.75});
   EXPECT_TRUE(part.context().step(Stage::scan, 0));
   EXPECT_TRUE(part.context().step(Stage::forming, 0.5));
   whole.cancel();
@@ -145,7 +145,7 @@ TEST(CoilCentres, AreFoundForGroupsShapesAndLayers) {
       "<ellipse id='c' cx='160' cy='100' rx='20' ry='10'/></g></svg>";
   const auto pattern = Pattern::read(bytes_of(svg), "coils.svg", {}, 72);
   ASSERT_TRUE(pattern) << pattern.error().text();
-  const auto centres = coil_centres(bytes_of(svg), *pattern);
+  const auto centres = coil_centres(*pattern);
   ASSERT_EQ(centres.size(), 3u);
   EXPECT_EQ(centres[0].id, "a");
   EXPECT_LT((centres[0].uv - Eigen::Vector2d(-30, 15)).norm(), 0.1);
@@ -163,11 +163,11 @@ TEST(CoilCentres, AreThoseOfConnectedInkWithoutNames) {
       "height='20'/><rect x='50' y='50' width='.5' height='.5'/></svg>";
   const auto pattern = Pattern::read(bytes_of(svg), "coils.svg", {}, 72);
   ASSERT_TRUE(pattern) << pattern.error().text();
-  const auto centres = coil_centres(bytes_of(svg), *pattern);
-  ASSERT_EQ(centres.size(), 2u);
-  EXPECT_EQ(centres[0].id, "ink-1");
+  const auto centres = coil_centres(*pattern);
+  ASSERT_EQ(centres.size(), 3u);
+  EXPECT_EQ(centres[0].id, "coil-1");
   EXPECT_LT((centres[0].uv - Eigen::Vector2d(20, 15)).norm(), 0.2);
-  EXPECT_EQ(centres[1].id, "ink-2");
+  EXPECT_EQ(centres[1].id, "mark-1");
   EXPECT_LT((centres[1].uv - Eigen::Vector2d(-30, -10)).norm(), 0.2);
 }
 

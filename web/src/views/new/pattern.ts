@@ -15,8 +15,8 @@ import {draftFields} from './fields';
 import {transferLine} from './transfer';
 import {cancelLayout, draft, keptFile, layout, makeLayout, onSideJob, removePattern, setSetting, takePattern} from './work';
 
-export const patternTypes = ['.svg', '.png', '.jpg', '.jpeg'] as const;
-const placed = ['pattern.inked_face', 'pattern.width_mm', 'pattern.rotate_deg', 'pattern.scale', 'pattern.offset_mm'];
+export const patternTypes = ['.svg', '.svgz', '.dxf', '.png', '.jpg', '.jpeg'] as const;
+const placed = ['pattern.inked_face', 'pattern.width_mm', 'pattern.dpi', 'pattern.line_mm', 'pattern.rotate_deg', 'pattern.scale', 'pattern.offset_mm'];
 const arranged = ['layout.count', 'layout.diameter_mm', 'layout.region', 'layout.overlap'];
 
 export function sizeText(size: readonly [number, number]): string {
@@ -40,6 +40,18 @@ function picture(pattern: Pattern, alt: string): Children {
   return el('div', {class: 'paper'}, image);
 }
 
+// Which unit was taken, and why.
+function sizeFrom(pattern: Pattern, {schema, form}: DraftState): string {
+  const given = (id: string): number | null => {
+    const value = schema && valueOf(schema, form.settings, id);
+    return typeof value === 'number' ? value : null;
+  };
+  const dpi = given('pattern.dpi');
+  if (given('pattern.width_mm') !== null) return t('new.size_by_width');
+  if (dpi !== null && pattern.px) return t('new.size_by_dpi', {dpi: number(dpi)});
+  return pattern.dpi ? t('new.size_by_program', {program: pattern.program ?? '', dpi: number(pattern.dpi)}) : t('new.size_by_file');
+}
+
 function chosen(now: DraftState): Children {
   const {pattern} = now.form;
   if (!pattern) {
@@ -55,6 +67,7 @@ function chosen(now: DraftState): Children {
         el('span', {class: 'quiet'}, bytes(pattern.bytes))),
       size ? el('p', {class: 'big-figure'}, words)
            : el('p', {class: 'notice'}, icon('warning'), t('new.no_size')),
+      size && el('p', {class: 'quiet small', id: 'size-from'}, sizeFrom(pattern, now)),
       el('p', {class: 'quiet small'}, t('new.size_hint')),
       el('p', null, el('button', {type: 'button', id: 'pattern-remove', class: 'plain', onclick: removePattern}, icon('delete'), t('new.remove_pattern')))));
 }
@@ -122,7 +135,7 @@ export function patternSection(schema: SettingsSchema): Children {
       el('div', {class: 'row'}, source('drawing', t('new.source_drawing'), !arranging && !ofScan && !both), source('array', t('new.source_array'), arranging && !ofScan && !both),
         source('scan', choiceOf('pattern.source', 'scan'), ofScan), source('both', choiceOf('pattern.source', 'both'), both))),
     drawing, array, transferLine('pattern'),
-    live(({draft: {form, from}}) => [form.pattern, from, valueOf(schema, form.settings, 'pattern.width_mm'), form.settings['pattern']?.['source']] as const,
+    live(({draft: {form, from}}) => [form.pattern, from, valueOf(schema, form.settings, 'pattern.width_mm'), valueOf(schema, form.settings, 'pattern.dpi'), form.settings['pattern']?.['source']] as const,
       () => !printsScan(draft()) && chosen(draft())),
     el('h3', null, t('new.place_pattern')), draftFields(schema, 'pattern', placed).element];
 }

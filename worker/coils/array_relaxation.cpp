@@ -1,0 +1,247 @@
+#include "worker/coils/array_relaxation.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "worker/coils/inductance.hpp"
+#include "worker/numerics/dense.hpp"
+#include "worker/stage/index.hpp"
+
+namespace vacuform {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+// The table: ratios from `first` on, tilts from 0 on.
+constexpr double first_ratio = 0.3, ratio_step = 0.025, tilt_step = M_PI / 18;
+constexpr int ratios = 85, tilts = 14;
+
+// A circle of radius 1 mm about a place of the sphere, whose cap has the circle's area in the plane.
+std::vector<Vector3d> circle_on(double sphere, double at) {
+  constexpr int points = 40;
+  const Vector3d up(std::sin(at), 0, std::cos(at)), along(std::cos(at), 0, -std::sin(at));
+  const double half = 2 * std::asin(std::min(1.0, 1 / (2 * sphere)));
+  std::vector<Vector3d> out;
+  for (int i = 0; i < points; ++i) {
+    const double turn = 2 * M_PI * i / points;
+    out.push_back(sphere * (std::cos(half) * up +
+                            std::sin(half) * (std::cos(turn) * along + std::sin(turn) * Vector3d::UnitY())));
+  }
+  return out;
+}
+
+double mutual_of_units(double ratio, double tilt) {
+  constexpr double flat = 1e-3, gap = 0.004;
+  const double angle = std::max(tilt, flat), sphere = std::max(0.51, ratio / std::sin(angle / 2));
+  return mutual_inductance_nh(circle_on(sphere, 0), circle_on(sphere, angle), gap);
+}
+
+// What weighs as much: a coupling, a move, a part outside. Couplings beyond a bound count by their sixth power, too.
+constexpr double coupling_unit = 0.01, coupling_bound = 0.01, move_unit_mm = 100, outside_unit_mm = 0.3;
+constexpr double apart_weight = 0.35, overlapping_ratio = 0.88, apart_ratio = 1.08;
+
+double weight_of(double ratio) {
+  return 1 + (apart_weight - 1) *
+                 std::clamp((ratio - overlapping_ratio) / (apart_ratio - overlapping_ratio), 0.0, 1.0);
+}
+
+}  // namespace
+
+CircleCouplings::CircleCouplings() {
+  for (int i = 0; i < ratios; ++i)
+    for (int j = 0; j < tilts; ++j)
+      m_.push_back(mutual_of_units(first_ratio + ratio_step * i, tilt_step * j));
+}
+
+CircleCouplings::Coupling CircleCouplings::at(double ratio, double tilt, double radius_mm,
+                                              double trace_mm) const {
+  const double x = (std::max(ratio, first_ratio) - first_ratio) / ratio_step;
+  const double y = std::min(tilt / tilt_step, tilts - 1.001);
+  const int i = static_cast<int>(x), j = static_cast<int>(y);
+  if (i + 1 >= ratios) return {};
+  const auto node = [&](int a, int b) { return m_[index((i + a) * tilts + j + b)]; };
+  const double near = node(0, 0) + (y - j) * (node(0, 1) - node(0, 0)),
+               far = node(1, 0) + (y - j) * (node(1, 1) - node(1, 0));
+  const double self = 4 * M_PI * mu0_over_4pi * (std::log(32 * radius_mm / trace_mm) - 2);  // over the radius
+  return {(near + (x - i) * (far - near)) / self, (far - near) / ratio_step / self};
+}
+
+double Arrangement::score() const {
+  return std::max({overlapping / 0.0125, apart / 0.031, rms / 0.009, 1 + outside_mm - 0.3});
+}
+
+const Arrangement& best_of(const std::vector<Arrangement>& arrangements) {
+  constexpr double good = 1.35, as_well = 1.1;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Arrangement& one : arrangements) least = std::min(least, one.score());
+  const auto rank = [&](const Arrangement& one) {
+    const bool counts = one.score() <= std::max(good, as_well * least);
+    return std::tuple(!counts, counts ? -one.overlaps : 0, one.score());
+  };
+  return *std::min_element(arrangements.begin(), arrangements.end(),
+                           [&](const Arrangement& a, const Arrangement& b) { return rank(a) < rank(b); });
+}
+
+struct Relaxation::State {
+  std::vector<Centre> centres;
+  double radius_mm = 0, trace_mm = 0;
+  std::vector<Vector3d> places, normals;
+  struct Pair {
+    int a, b;
+    double ratio, k, per_ratio, weight;
+  };
+  std::vector<Pair> pairs;
+  std::vector<double> outside;   // mm that a circle reaches beyond the border; negative: inside
+  std::vector<Vector3d> inward;  // from the nearest place of the border
+};
+
+Relaxation::Relaxation(const ChartedSurface& charted, const Half& half)
+    : charted_(&charted), half_(half), border_(charted.border()) {
+  constexpr std::size_t most_samples = 4000;
+  const InkedSurface& surface = charted.surface();
+  const std::vector<int>& chart = charted.flattening().triangles;
+  const std::size_t stride = std::max<std::size_t>(1, chart.size() / most_samples);
+  for (std::size_t i = 0; i < chart.size(); i += stride) {
+    const Triangle& c = surface.triangles()[index(chart[i])];
+    const auto at = [&](std::size_t k) -> const Vector3d& { return surface.inked()[index(c[k])]; };
+    samples_.push_back({(at(0) + at(1) + at(2)) / 3, (at(1) - at(0)).cross(at(2) - at(0)) / 2});
+  }
+}
+
+Relaxation::State Relaxation::state(std::vector<Centre> centres, double radius_mm, double trace_mm) const {
+  State out{std::move(centres), radius_mm, trace_mm, {}, {}, {}, {}, {}};
+  const InkedSurface& surface = charted_->surface();
+  for (const Centre& c : out.centres) {
+    const Vector3d place = surface.place(c.point);
+    Vector3d normal = Vector3d::Zero();
+    for (const Sample& s : samples_)
+      if ((s.place - place).squaredNorm() < radius_mm * radius_mm) normal += s.normal;
+    if (normal.dot(surface.normal(c.point.triangle)) <= 0) normal = surface.normal(c.point.triangle);
+    out.places.push_back(place);
+    out.normals.push_back(normal.normalized());
+    double least = std::numeric_limits<double>::infinity();
+    Vector3d nearest = Vector3d::Zero();
+    for (const Vector3d& b : border_)
+      if (const double square = (place - b).squaredNorm(); square < least)
+        least = square, nearest = place - b;
+    const bool on = charted_->on_chart(c.point.triangle);
+    const double mm = std::sqrt(least);
+    out.outside.push_back(radius_mm + trace_mm / 2 + 1 - (on ? mm : -mm));
+    out.inward.push_back((on ? 1 : -1) * nearest / std::max(1e-6, mm));
+  }
+  const int count = static_cast<int>(out.centres.size());
+  for (int a = 0; a < count; ++a)
+    for (int b = a + 1; b < count; ++b) {
+      const double ratio = (out.places[index(a)] - out.places[index(b)]).norm() / (2 * radius_mm);
+      const double tilt = std::acos(std::clamp(out.normals[index(a)].dot(out.normals[index(b)]), -1.0, 1.0));
+      const auto [k, per_ratio] = couplings_.at(ratio, tilt, radius_mm, trace_mm);
+      out.pairs.push_back({a, b, ratio, k, per_ratio, weight_of(ratio)});
+    }
+  return out;
+}
+
+double Relaxation::cost(const State& state) const {
+  double sum = 0;
+  for (const State::Pair& p : state.pairs) {
+    const double weighted = p.weight * p.k, r = weighted / coupling_unit, b = weighted / coupling_bound;
+    sum += r * r + std::pow(b, 6);
+  }
+  for (const double mm : state.outside)
+    if (mm > 0) sum += mm * mm / (outside_unit_mm * outside_unit_mm);
+  for (const Vector3d& place : state.places)
+    if (const double mm = half_.outside_mm(place); mm > 0)
+      sum += mm * mm / (outside_unit_mm * outside_unit_mm);
+  for (const Centre& c : state.centres) sum += c.moved.squaredNorm() / (move_unit_mm * move_unit_mm);
+  return sum;
+}
+
+Arrangement Relaxation::relaxed(std::vector<Centre> centres, double radius_mm, double trace_mm) const {
+  constexpr int most_steps = 60;
+  constexpr double most_damping = 1e5, least_gain = 2e-3;
+  const InkedSurface& surface = charted_->surface();
+  for (Centre& c : centres) c.moved.setZero();
+  State now = state(std::move(centres), radius_mm, trace_mm);
+  double cost_now = cost(now), damping = 1e-2, gain = 1;
+  for (int step = 0; step < most_steps && gain > least_gain; ++step) {
+    const Index size = 2 * static_cast<Index>(now.centres.size());
+    MatrixXd normal = MatrixXd::Zero(size, size);
+    VectorXd rhs = VectorXd::Zero(size);
+    const auto in_frame = [&](int i, const Vector3d& direction) {
+      const Centre& c = now.centres[index(i)];
+      return Vector2d(direction.dot(c.axis), direction.dot(surface.normal(c.point.triangle).cross(c.axis)));
+    };
+    for (const State::Pair& p : now.pairs) {
+      if (p.k == 0) continue;
+      const Vector3d way = (now.places[index(p.b)] - now.places[index(p.a)]).normalized();
+      const double per_mm = p.weight * p.per_ratio / (2 * radius_mm), b = p.weight * p.k / coupling_bound;
+      const Vector2d of_a = -per_mm * in_frame(p.a, way), of_b = per_mm * in_frame(p.b, way);
+      const double cube = b * b * b, slope = 3 * b * b / coupling_bound;
+      const double pull = p.weight * p.k / (coupling_unit * coupling_unit) + cube * slope;
+      const double stiffness = 1 / (coupling_unit * coupling_unit) + slope * slope;
+      rhs.segment<2>(2 * p.a) -= pull * of_a;
+      rhs.segment<2>(2 * p.b) -= pull * of_b;
+      normal.block<2, 2>(2 * p.a, 2 * p.a) += stiffness * of_a * of_a.transpose();
+      normal.block<2, 2>(2 * p.b, 2 * p.b) += stiffness * of_b * of_b.transpose();
+      normal.block<2, 2>(2 * p.a, 2 * p.b) += stiffness * of_a * of_b.transpose();
+      normal.block<2, 2>(2 * p.b, 2 * p.a) += stiffness * of_b * of_a.transpose();
+    }
+    for (int i = 0; i < size / 2; ++i) {
+      const double unit = move_unit_mm * move_unit_mm;
+      rhs.segment<2>(2 * i) -= now.centres[index(i)].moved / unit;
+      normal.diagonal().segment<2>(2 * i).array() += 1 / unit;
+      const auto keep_in = [&](double mm, const Vector3d& inward) {
+        if (mm <= 0) return;
+        const Vector2d slope = -in_frame(i, inward) / outside_unit_mm;
+        rhs.segment<2>(2 * i) -= mm / outside_unit_mm * slope;
+        normal.block<2, 2>(2 * i, 2 * i) += slope * slope.transpose();
+      };
+      keep_in(now.outside[index(i)], now.inward[index(i)]);
+      keep_in(half_.outside_mm(now.places[index(i)]), Vector3d(0, half_.side, 0));
+    }
+    gain = 0;
+    for (bool first = true; gain == 0 && damping < most_damping; first = false) {
+      MatrixXd damped = normal;
+      damped.diagonal() *= 1 + damping;
+      VectorXd way = solve_symmetric(damped, rhs);
+      const double longest_mm = 0.15 * radius_mm;
+      std::vector<Centre> moved = now.centres;
+      for (int i = 0; i < size / 2; ++i) {
+        Vector2d by = way.segment<2>(2 * i);
+        if (by.norm() > longest_mm) by *= longest_mm / by.norm();
+        move(surface, moved[index(i)], by);
+      }
+      State next = state(std::move(moved), radius_mm, trace_mm);
+      if (const double cost_next = cost(next); cost_next < cost_now) {
+        gain = 1 - cost_next / cost_now;
+        now = std::move(next), cost_now = cost_next;
+        if (first) damping = std::max(1e-6, damping / 10);
+      } else {
+        damping *= 10;
+      }
+    }
+  }
+  Arrangement out;
+  out.centres = std::move(now.centres), out.radius_mm = radius_mm;
+  double squares = 0;
+  for (const State::Pair& p : now.pairs) {
+    squares += p.k * p.k;
+    const bool overlap = p.ratio < overlapping_ratio;
+    out.overlaps += overlap;
+    double& worst = overlap ? out.overlapping : out.apart;
+    worst = std::max(worst, std::abs(p.k));
+  }
+  out.rms = now.pairs.empty() ? 0 : std::sqrt(squares / static_cast<double>(now.pairs.size()));
+  for (const double mm : now.outside) out.outside_mm = std::max(out.outside_mm, mm);
+  for (Centre& c : out.centres) c.moved.setZero();
+  return out;
+}
+
+}  // namespace vacuform
