@@ -37,28 +37,30 @@ fs::path programs() {
   return newest / "bin";
 }
 
-// PostgreSQL refuses to run as root.
-void become_ordinary_user() {
-  if (::geteuid() != 0) return;
+// PostgreSQL refuses to run as root; null: this program does not.
+const passwd* ordinary_user() {
+  if (::geteuid() != 0) return nullptr;
   const passwd* user = ::getpwnam("postgres");
   if (!user) user = ::getpwnam("nobody");
-  if (!user || ::setgid(user->pw_gid) != 0 || ::setuid(user->pw_uid) != 0) std::_Exit(127);
+  if (!user) give_up("no user to run PostgreSQL as");
+  return user;
 }
 
 pid_t run(const std::vector<std::string>& words, const fs::path& output) {
+  // All that allocates comes before the fork: the threads of a store may hold the allocator's locks.
+  const passwd* user = ordinary_user();
+  std::vector<char*> arguments;
+  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
   const pid_t child = ::fork();
   if (child != 0) return child;
   const int file = ::open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   ::dup2(file, 1);
   ::dup2(file, 2);
   ::setsid();
-  become_ordinary_user();
-  if (::chdir("/") != 0) std::_Exit(127);
-  std::vector<char*> arguments;
-  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
-  ::execv(arguments[0], arguments.data());
-  std::_Exit(127);
+  const bool ready = !user || (::setgid(user->pw_gid) == 0 && ::setuid(user->pw_uid) == 0);
+  if (ready && ::chdir("/") == 0) ::execv(arguments[0], arguments.data());
+  ::_exit(127);
 }
 
 std::string text_of(const fs::path& file) {
@@ -80,12 +82,9 @@ PostgresServer& PostgresServer::get() {
 
 PostgresServer::PostgresServer() : folder_(fs::temp_directory_path() / ("vacuform-pg-" + random_hex(4))) {
   fs::create_directories(folder_);
-  if (::geteuid() == 0) {
-    const passwd* user = ::getpwnam("postgres");
-    if (!user) user = ::getpwnam("nobody");
-    if (!user || ::chown(folder_.c_str(), user->pw_uid, user->pw_gid) != 0)
-      give_up("no user to run PostgreSQL as");
-  }
+  if (const passwd* user = ordinary_user();
+      user && ::chown(folder_.c_str(), user->pw_uid, user->pw_gid) != 0)
+    give_up("its folder cannot be given to " + std::string(user->pw_name));
   fs::permissions(folder_, fs::perms::owner_all | fs::perms::others_exec);
   const fs::path log = folder_.string() + "-initdb.log";
   const pid_t made = run({programs() / "initdb", "-D", folder_ / "data", "-U", "vacuform", "-A", "trust",
