@@ -31,6 +31,9 @@ constexpr WarningKind kinds[] = {
     {"coils-moved", Severity::warning,
      "Decoupling moved the coils by more than 10 mm from where the drawing puts them.",
      "Check that the coils still cover what they must see, or raise coils.size_limit."},
+    {"coils-not-decoupled", Severity::serious,
+     "coils.decouple is set, and the drawing has more loops than are decoupled.",
+     "Draw fewer loops, or set coils.decouple=false."},
     {"coils-spacing", Severity::note,
      "Distances of neighbouring coils on the head differ from the drawing by more than 2 mm RMS. The "
      "figure is the one of the report's table.",

@@ -1,10 +1,11 @@
 // Measures coils by what a lab gets, and shares no code with what made it: reads formed.ply, print.svg and the drawing, and
 // prints as JSON how round, large, far apart and coupled the formed coils are.
 //
-//     measure_coils FORMED.PLY PRINT.SVG PATTERN.SVG [--inner] [--scale X] [--spacing] [--couplings]
+//     measure_coils FORMED.PLY PRINT.SVG PATTERN.SVG [--inner] [--scale X] [--spacing] [--couplings] [--lines]
 //
 // With --spacing also whether the distances are at their least squares optimum: `spacing_gain` is the largest share by which
 // the sum of the squares of their errors falls when one centre alone is moved by half a millimetre, in eight directions.
+// With --lines also each coil's centre line in space, as 60 points, and the width of its trace.
 // The inked surface is the formed one, or (the outer face) lies one thickness from it along its vertex normals. A coil is a
 // group of the drawing with an id whose largest closed line is a circle, an ellipse or a path of M, L, C and Z, without
 // transforms; in the print it is the largest closed path of class centreline in the group of the same id. Its centre is
@@ -546,7 +547,7 @@ double spacing_gain(const Sheet& sheet, const std::vector<Coil>& coils, const st
 }
 
 Json run(const std::string& ply, const std::string& print, const std::string& pattern, bool outer,
-         double scale, bool spacing, bool couplings) {
+         double scale, bool spacing, bool couplings, bool lines) {
   const Sheet sheet(read_ply(ply, outer));
   const auto drawn = read_pattern(pattern, scale);
   const auto loops = read_print(print);
@@ -572,6 +573,12 @@ Json run(const std::string& ply, const std::string& print, const std::string& pa
                             {"area_error", error},
                             {"worst_stretch", worst_stretch(sheet, loop->second)},
                             {"inductance_nh", coil.inductance}});
+    if (lines) {
+      Json& line = out["coils"].back()["line"] = Json::array();
+      for (std::size_t i = 0; i < coil.line.size(); i += coil.line.size() / 60)
+        line.push_back({coil.line[i].x(), coil.line[i].y(), coil.line[i].z()});
+      out["coils"].back()["trace_mm"] = d.width_mm;
+    }
     circularity += off, worst_circularity = std::max(worst_circularity, off);
     area += std::abs(error), worst_area = std::max(worst_area, std::abs(error));
     coils.push_back(coil);
@@ -614,7 +621,7 @@ Json run(const std::string& ply, const std::string& print, const std::string& pa
 
 int main(int argc, char** argv) {
   std::vector<std::string> names;
-  bool outer = true, spacing = false, couplings = false;
+  bool outer = true, spacing = false, couplings = false, lines = false;
   double scale = 1;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
@@ -624,6 +631,8 @@ int main(int argc, char** argv) {
       spacing = true;
     else if (word == "--couplings")
       couplings = true;
+    else if (word == "--lines")
+      lines = true;
     else if (word == "--scale" && i + 1 < argc)
       scale = std::atof(argv[++i]);
     else
@@ -631,11 +640,11 @@ int main(int argc, char** argv) {
   }
   if (names.size() != 3) {
     std::cerr << "usage: measure_coils FORMED.PLY PRINT.SVG PATTERN.SVG [--inner] [--scale X] [--spacing] "
-                 "[--couplings]\n";
+                 "[--couplings] [--lines]\n";
     return 2;
   }
   try {
-    std::cout << run(names[0], names[1], names[2], outer, scale, spacing, couplings).dump(2) << "\n";
+    std::cout << run(names[0], names[1], names[2], outer, scale, spacing, couplings, lines).dump(2) << "\n";
   } catch (const std::exception& fault) {
     std::cerr << "measure_coils: " << fault.what() << "\n";
     return 2;

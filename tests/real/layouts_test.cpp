@@ -48,7 +48,8 @@ TEST_P(RealLayouts, CoupleLittleOnTheHeadAndOnThePrint) {
   ASSERT_EQ(placed->elements.size(), array->centres.size());
   for (std::size_t i = 0; i < array->centres.size(); ++i)
     EXPECT_LT((placed->elements[i].centre - array->centres[i]).norm(), 0.02) << i;
-  for (const CoupledLoops& pair : coupled_loops(*placed, array->drawing))
+  const auto pairs = coupled_loops(*placed, array->drawing, Context()).value();
+  for (const CoupledLoops& pair : pairs)
     EXPECT_LT(std::abs(pair.k), pair.overlap ? 0.01 : 0.03) << pair.a << " and " << pair.b;
 }
 

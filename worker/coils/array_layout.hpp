@@ -10,8 +10,6 @@
 
 namespace vacuform {
 
-inline constexpr double loop_trace_mm = 3;  // line width of the loops
-
 struct Array {
   // Circles with the ids coil-1, coil-2... from the back to the front, around (0, 0), with their places: printed on the
   // same surface they lie there. They form the best flat image of the array: their neighbours are as far apart as on the

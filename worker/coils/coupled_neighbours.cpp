@@ -30,6 +30,17 @@ std::optional<Warning> moved_far(const Drawing& drawing, const ElementLayout& la
                  .place = id};
 }
 
+std::optional<Warning> not_decoupled(const std::vector<LaidCoil>& coils) {
+  const auto loops = static_cast<std::size_t>(
+      std::count_if(coils.begin(), coils.end(), [](const LaidCoil& coil) { return coil.self_nh > 0; }));
+  if (loops <= most_coupled_coils) return std::nullopt;
+  return Warning{.code = "coils-not-decoupled",
+                 .text = "The drawing has " + std::to_string(loops) + " loops on the sheet, and at most " +
+                         std::to_string(most_coupled_coils) +
+                         " are decoupled: they lie where they were drawn",
+                 .figure = Warning::Figure{static_cast<double>(loops), "loops", most_coupled_coils}};
+}
+
 }  // namespace
 
 Result<void> add_couplings(const ChartedSurface& charted, const Drawing& drawing, const Settings& settings,
@@ -44,45 +55,56 @@ Result<void> add_couplings(const ChartedSurface& charted, const Drawing& drawing
     ElementLayout layout = placement.layout;
     VACUFORM_CHECK(decouple(charted, layout, coils, settings.coils.size_limit, context));
     couplings(&PlacedPair::k);
-    const auto moved = moved_far(drawing, layout, placement.layout.centres);
+    auto moved = moved_far(drawing, layout, placement.layout.centres);
+    auto too_many = not_decoupled(coils);
     std::vector<ElementOnSurface> laid;
     for (LaidCoil& coil : coils) laid.push_back(std::move(coil.element));
     take_layout(charted.surface(), drawing, settings.pattern.scale, std::move(layout), std::move(laid),
                 placement);
-    if (moved) placement.warnings.insert(placement.warnings.begin(), *moved);
+    for (auto* warning : {&moved, &too_many})
+      if (*warning) placement.warnings.insert(placement.warnings.begin(), *std::move(*warning));
     return {};
   }
   couplings(&PlacedPair::k);
   return {};
 }
 
-std::vector<CoupledLoops> coupled_loops(const Placement& placement, const Drawing& drawing) {
+std::vector<CoupledLoops> coupled_loops(const std::vector<ArrayLoop>& loops,
+                                        const std::vector<NeighbourLoop>& neighbours,
+                                        const CouplingMatrix& matrix) {
   std::vector<CoupledLoops> out;
   std::set<std::pair<int, int>> known;
-  const auto radius = [&](int i) {
-    const LaidElement& e = placement.layout.elements[index(i)];
-    return e.size * e.outline.radius_mm;
-  };
-  const auto add = [&](int i, int j, double k, double mm, bool neighbours) {
-    const PlacedElement &a = placement.elements[index(i)], &b = placement.elements[index(j)];
-    const auto id = [&](const PlacedElement& e) { return drawing.elements[index(e.element)].id; };
-    const bool overlap = (a.centre - b.centre).norm() < overlap_share * (radius(i) + radius(j));
+  const auto add = [&](const ArrayLoop& a, const ArrayLoop& b, double k, double mm, bool are_neighbours) {
+    const bool overlap = (a.centre - b.centre).norm() < overlap_share * (a.radius_mm + b.radius_mm);
     if (a.on_head && b.on_head)
-      out.push_back({id(a), id(b), k, mm, (a.centre + b.centre) / 2, neighbours, overlap});
+      out.push_back({a.id, b.id, k, mm, (a.centre + b.centre) / 2, are_neighbours, overlap});
   };
-  for (const PlacedPair& pair : placement.pairs) {
+  for (const NeighbourLoop& pair : neighbours) {
     known.insert(std::minmax(pair.a, pair.b));
-    if (pair.k) add(pair.a, pair.b, *pair.k, pair.mm, true);
+    if (pair.k) add(loops[index(pair.a)], loops[index(pair.b)], *pair.k, pair.mm, true);
   }
-  const std::vector<LaidCoil> coils = with_inductances(placement.layout, placement.laid);
-  for (int a = 0; a < static_cast<int>(coils.size()); ++a)
-    for (int b = a + 1; b < static_cast<int>(coils.size()); ++b) {
-      if (known.contains({a, b})) continue;
-      const double mm = (placement.elements[index(a)].centre - placement.elements[index(b)].centre).norm();
-      if (const auto k = coupling(coils[index(a)], coils[index(b)]); k && std::abs(*k) >= unnulled_k)
-        add(a, b, *k, mm, false);
+  for (int i = 0; i < matrix.count(); ++i)
+    for (int j = i + 1; j < matrix.count(); ++j) {
+      if (!(std::abs(matrix(i, j)) >= neighbours_k) || known.contains({i, j})) continue;
+      const ArrayLoop &a = loops[index(i)], &b = loops[index(j)];
+      add(a, b, matrix(i, j), (a.centre - b.centre).norm(), false);
     }
   return out;
+}
+
+Result<std::vector<CoupledLoops>> coupled_loops(const Placement& placement, const Drawing& drawing,
+                                                const Context& context) {
+  std::vector<ArrayLoop> loops;
+  for (std::size_t i = 0; i < placement.elements.size(); ++i) {
+    const PlacedElement& placed = placement.elements[i];
+    const LaidElement& laid = placement.layout.elements[i];
+    loops.push_back({drawing.elements[index(placed.element)].id, placed.centre,
+                     laid.size * laid.outline.radius_mm, placed.on_head});
+  }
+  std::vector<NeighbourLoop> neighbours;
+  for (const PlacedPair& pair : placement.pairs) neighbours.push_back({pair.a, pair.b, pair.k, pair.mm});
+  VACUFORM_TRY(matrix, coupling_matrix(with_inductances(placement.layout, placement.laid), context));
+  return coupled_loops(loops, neighbours, matrix);
 }
 
 std::optional<Warning> coupling_warning(const std::vector<CoupledLoops>& pairs, bool decoupled) {

@@ -37,6 +37,9 @@ class CouplingMatrix {
   std::vector<double> k_;
 };
 
+// Above this many coils only neighbours are coupled.
+inline constexpr std::size_t most_coupled_coils = 256;
+
 // Loops whose centres are farther apart than this many times the reach of the larger one (the distance from its centre
 // to its farthest point) count as magnetic dipoles.
 inline constexpr double dipole_distance = 10;

@@ -8,8 +8,8 @@
 
 #include "worker/coils/inductance.hpp"
 #include "worker/numerics/dense.hpp"
+#include "worker/stage/batches.hpp"
 #include "worker/stage/index.hpp"
-#include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 
@@ -84,15 +84,16 @@ class Decoupling {
   // Farther on they are wrong by something else: so of the way that they lead, as much is taken as makes the real layout
   // better, and it is done again from there.
   Result<void> run() {
+    if (coils_.size() > most_coupled_coils) return {};
     constexpr int most_passes = 3;
     constexpr double least_gain = 0.05;
     for (int pass = 0; pass < most_passes && unknowns_ > 0; ++pass) {
       VACUFORM_TRY(begin, sketched(layout_));
       find_pairs(begin);
       guard(begin);
-      const Judged before = judged();
+      VACUFORM_TRY(before, judged());
       if (pairs_.empty() || before.worst <= good_k) return {};
-      correct(begin);
+      VACUFORM_CHECK(correct(begin));
       const ElementLayout from = layout_;
       const std::vector<LaidCoil> from_laid = laid_;
       VACUFORM_CHECK(improve_or_give_up(std::move(begin)));
@@ -103,7 +104,8 @@ class Decoupling {
         layout_ = between(from, to, part);
         VACUFORM_TRY(fine, lay_coils(charted_, layout_, context_));
         laid_ = std::move(fine);
-        now = judged();
+        VACUFORM_TRY(judgement, judged());
+        now = judgement;
         better = now.cost < before.cost && now.strongest <= std::max(before.strongest, unnulled_k);
       }
       if (!better) {
@@ -124,6 +126,17 @@ class Decoupling {
   struct Judged {
     double cost = 0, worst = 0, strongest = 0;  // worst: weighted; strongest: of two loops on the head
   };
+
+  // Calls work(p) for every pair, and work(i) for every element that is a coil.
+  template <class Work>
+  Result<void> for_pairs(const Work& work) const {
+    return in_batches(pairs_.size(), 1024, Stage::printing, context_.silent(), work);
+  }
+  template <class Work>
+  Result<void> for_coils(const Work& work) const {
+    return in_batches(coils_.size(), 16, Stage::printing, context_.silent(),
+                      [&](std::size_t c) { work(coils_[c]); });
+  }
 
   std::size_t owner(std::size_t i) const {
     return layout_.elements[i].leader < 0 ? i : index(layout_.elements[i].leader);
@@ -169,13 +182,12 @@ class Decoupling {
   }
 
   // Of the layout as it is really laid.
-  Judged judged() const {
+  Result<Judged> judged() const {
     VectorXd k(static_cast<Index>(pairs_.size()));
-    in_parallel(0, static_cast<int>(pairs_.size()), [&](int first, int last) {
-      for (std::size_t p = index(first); p < index(last); ++p)
-        k[static_cast<Index>(p)] = vacuform::coupling(laid_[pairs_[p].a], laid_[pairs_[p].b])
-                                       .value_or(std::numeric_limits<double>::infinity());
-    });
+    VACUFORM_CHECK(for_pairs([&](std::size_t p) {
+      k[static_cast<Index>(p)] = vacuform::coupling(laid_[pairs_[p].a], laid_[pairs_[p].b])
+                                     .value_or(std::numeric_limits<double>::infinity());
+    }));
     const VectorXd w = weights();
     Judged out{cost_of(k, w), worst(k, w), 0};
     for (std::size_t p = 0; p < pairs_.size(); ++p)
@@ -184,13 +196,11 @@ class Decoupling {
     return out;
   }
 
-  void correct(const std::vector<Sketch>& sketches) {
-    in_parallel(0, static_cast<int>(pairs_.size()), [&](int first, int last) {
-      for (std::size_t p = index(first); p < index(last); ++p) {
-        Pair& pair = pairs_[p];
-        pair.correction = vacuform::coupling(laid_[pair.a], laid_[pair.b]).value_or(0) -
-                          coupling(sketches[pair.a].wire, sketches[pair.b].wire, pair.thin);
-      }
+  Result<void> correct(const std::vector<Sketch>& sketches) {
+    return for_pairs([&](std::size_t p) {
+      Pair& pair = pairs_[p];
+      pair.correction = vacuform::coupling(laid_[pair.a], laid_[pair.b]).value_or(0) -
+                        coupling(sketches[pair.a].wire, sketches[pair.b].wire, pair.thin);
     });
   }
 
@@ -210,7 +220,8 @@ class Decoupling {
   // Better the whole array elsewhere than coupled.
   Result<void> improve_or_give_up(std::vector<Sketch> sketches) {
     VACUFORM_CHECK(improve(sketches));
-    if (array_weight_ == 0 || worst(couplings(sketches), weights()) <= required_k) return {};
+    VACUFORM_TRY(k, couplings(sketches));
+    if (array_weight_ == 0 || worst(k, weights()) <= required_k) return {};
     array_weight_ = 0;
     return improve(sketches);
   }
@@ -219,7 +230,7 @@ class Decoupling {
     constexpr int most_steps = 12;
     constexpr double most_damping = 1e4, least_gain = 0.01;
     double damping = 1e-3, gain = 1;
-    VectorXd k = couplings(sketches);
+    VACUFORM_TRY(k, couplings(sketches));
     for (int step = 0; step < most_steps && gain > least_gain; ++step) {
       const VectorXd w = weights();
       if (worst(k, w) <= good_k) break;
@@ -229,7 +240,7 @@ class Decoupling {
       gain = 0;
       for (bool first = true; gain == 0 && damping < most_damping; first = false) {
         VACUFORM_TRY(next, take(solve(J, k, w, damping, sketches), before, sketches));
-        const VectorXd k_next = couplings(next);
+        VACUFORM_TRY(k_next, couplings(next));
         if (const double cost_next = cost_of(k_next, weights()) + border_cost(next);
             k_next.allFinite() && cost_next < cost) {
           gain = 1 - cost_next / cost;
@@ -251,15 +262,13 @@ class Decoupling {
     return {bound_weight * cube * ratio, 4 * bound_weight * cube / bound_k};
   }
 
-  VectorXd couplings(const std::vector<Sketch>& sketches) const {
+  Result<VectorXd> couplings(const std::vector<Sketch>& sketches) const {
     VectorXd k(static_cast<Index>(pairs_.size()));
-    in_parallel(0, static_cast<int>(pairs_.size()), [&](int first, int last) {
-      for (std::size_t p = index(first); p < index(last); ++p) {
-        const Pair& pair = pairs_[p];
-        k[static_cast<Index>(p)] =
-            coupling(sketches[pair.a].wire, sketches[pair.b].wire, pair.thin) + pair.correction;
-      }
-    });
+    VACUFORM_CHECK(for_pairs([&](std::size_t p) {
+      const Pair& pair = pairs_[p];
+      k[static_cast<Index>(p)] =
+          coupling(sketches[pair.a].wire, sketches[pair.b].wire, pair.thin) + pair.correction;
+    }));
     return k;
   }
 
@@ -351,9 +360,7 @@ class Decoupling {
   Result<std::vector<Sketch>> sketched(const ElementLayout& layout) const {
     VACUFORM_CHECK(context_.step(Stage::printing, 0));
     std::vector<Sketch> out(layout.elements.size());
-    in_parallel(0, static_cast<int>(coils_.size()), [&](int first, int last) {
-      for (int c = first; c < last; ++c) out[coils_[index(c)]] = sketch(layout, coils_[index(c)]);
-    });
+    VACUFORM_CHECK(for_coils([&](std::size_t i) { out[i] = sketch(layout, i); }));
     return out;
   }
 
@@ -365,15 +372,11 @@ class Decoupling {
   Result<Slopes> jacobian(const std::vector<Sketch>& sketches) const {
     std::vector<std::array<Wire, 2>> moved(sketches.size());
     VACUFORM_CHECK(context_.step(Stage::printing, 0));
-    in_parallel(0, static_cast<int>(coils_.size()), [&](int first, int last) {
-      for (int c = first; c < last; ++c) {
-        const std::size_t i = coils_[index(c)];
-        const LaidElement& e = layout_.elements[i];
-        moved[i] = {wire(grid(layout_, i, {step_mm, 0}), e, e.size),
-                    wire(grid(layout_, i, {0, step_mm}), e, e.size)};
-      }
-    });
-    VACUFORM_CHECK(context_.step(Stage::printing, 0));
+    VACUFORM_CHECK(for_coils([&](std::size_t i) {
+      const LaidElement& e = layout_.elements[i];
+      moved[i] = {wire(grid(layout_, i, {step_mm, 0}), e, e.size),
+                  wire(grid(layout_, i, {0, step_mm}), e, e.size)};
+    }));
     Slopes out{std::vector<std::array<Vector3d, 2>>(pairs_.size()),
                std::vector<Vector3d>(sketches.size(), Vector3d::Zero())};
     for (const std::size_t i : coils_) {
@@ -384,23 +387,21 @@ class Decoupling {
       out.of_border[i] = {with(moved[i][0]) * unit_mm / step_mm, with(moved[i][1]) * unit_mm / step_mm,
                           with(sketches[i].larger) * unit_size / step_size};
     }
-    in_parallel(0, static_cast<int>(pairs_.size()), [&](int first, int last) {
-      for (std::size_t p = index(first); p < index(last); ++p) {
-        const Pair& pair = pairs_[p];
-        const double k = coupling(sketches[pair.a].wire, sketches[pair.b].wire, pair.thin);
-        const auto slopes = [&](std::size_t of, std::size_t other) {
-          const auto with = [&](const Wire& changed) {
-            return coupling(changed, sketches[other].wire, pair.thin) - k;
-          };
-          const bool follows = layout_.elements[of].leader >= 0;
-          Vector3d slope{with(moved[of][0]) * unit_mm / step_mm, with(moved[of][1]) * unit_mm / step_mm,
-                         follows ? 0 : with(sketches[of].larger) * unit_size / step_size};
-          if (!slope.allFinite()) slope.setZero();  // beyond the sheet's border nothing can be said
-          return slope;
+    VACUFORM_CHECK(for_pairs([&](std::size_t p) {
+      const Pair& pair = pairs_[p];
+      const double k = coupling(sketches[pair.a].wire, sketches[pair.b].wire, pair.thin);
+      const auto slopes = [&](std::size_t of, std::size_t other) {
+        const auto with = [&](const Wire& changed) {
+          return coupling(changed, sketches[other].wire, pair.thin) - k;
         };
-        out.of_k[p] = {slopes(pair.a, pair.b), slopes(pair.b, pair.a)};
-      }
-    });
+        const bool follows = layout_.elements[of].leader >= 0;
+        Vector3d slope{with(moved[of][0]) * unit_mm / step_mm, with(moved[of][1]) * unit_mm / step_mm,
+                       follows ? 0 : with(sketches[of].larger) * unit_size / step_size};
+        if (!slope.allFinite()) slope.setZero();  // beyond the sheet's border nothing can be said
+        return slope;
+      };
+      out.of_k[p] = {slopes(pair.a, pair.b), slopes(pair.b, pair.a)};
+    }));
     return out;
   }
 

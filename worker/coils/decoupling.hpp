@@ -13,7 +13,8 @@ namespace vacuform {
 // stays where it was laid, unless neighbours would then stay coupled by 0.01, and no loop leaves the head. Pairs with one
 // loop off the head have almost no weight. `laid` is the layout on the surface, before and, on return, after: never with
 // a stronger pair than before above `unnulled_k`, else both stay as they were. Stops when |k| of every pair is below
-// 0.001, weighted, or when there is no more progress. Deterministic. Errors: cancelled.
+// 0.001, weighted, or when there is no more progress. Does nothing for more than most_coupled_coils loops.
+// Deterministic. Errors: cancelled.
 Result<void> decouple(const ChartedSurface& charted, ElementLayout& layout, std::vector<LaidCoil>& laid,
                       double size_limit, const Context& context);
 

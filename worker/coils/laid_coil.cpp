@@ -31,4 +31,11 @@ std::optional<double> coupling(const LaidCoil& a, const LaidCoil& b) {
   return mutual_inductance_nh(a.element.loop, b.element.loop) / std::sqrt(a.self_nh * b.self_nh);
 }
 
+Result<CouplingMatrix> coupling_matrix(const std::vector<LaidCoil>& coils, const Context& context) {
+  if (coils.size() > most_coupled_coils) return CouplingMatrix();
+  std::vector<InductiveLoop> loops;
+  for (const LaidCoil& coil : coils) loops.push_back({coil.element.loop, coil.self_nh});
+  return coupling_matrix(loops, Stage::printing, 0, context);
+}
+
 }  // namespace vacuform

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "worker/coils/coupling_matrix.hpp"
 #include "worker/placement/element_layout.hpp"
 
 namespace vacuform {
@@ -21,5 +22,8 @@ Result<std::vector<LaidCoil>> lay_coils(const ChartedSurface& charted, const Ele
 
 // M / sqrt(L1 L2); nothing unless both have a loop.
 std::optional<double> coupling(const LaidCoil& a, const LaidCoil& b);
+
+// Of every coil with every other, while Stage::printing runs; empty for more than most_coupled_coils. Errors: cancelled.
+Result<CouplingMatrix> coupling_matrix(const std::vector<LaidCoil>& coils, const Context& context);
 
 }  // namespace vacuform

@@ -7,8 +7,8 @@
 #include "worker/coils/inductance.hpp"
 #include "worker/inspection/loop_figures.hpp"
 #include "worker/pattern/drawn_loop.hpp"
+#include "worker/stage/batches.hpp"
 #include "worker/stage/index.hpp"
-#include "worker/stage/parallel.hpp"
 #include "worker/stage/sub_progress.hpp"
 
 namespace vacuform {
@@ -67,20 +67,6 @@ struct FormedLoops {
   std::vector<double> pairs_mm;       // geodesic distances of the centres; NaN where a loop is missing
 };
 
-// Calls work(i) for each of [0, count), a few at a time so that a cancellation takes effect soon.
-template <class Work>
-Result<void> in_batches(std::size_t count, const Context& context, const Work& work) {
-  constexpr std::size_t batch = 4;
-  for (std::size_t begin = 0; begin < count; begin += batch) {
-    VACUFORM_CHECK(context.step(Stage::inspection, static_cast<double>(begin) / static_cast<double>(count)));
-    in_parallel(static_cast<int>(begin), static_cast<int>(std::min(begin + batch, count)),
-                [&](int first, int last) {
-                  for (int i = first; i < last; ++i) work(static_cast<std::size_t>(i));
-                });
-  }
-  return {};
-}
-
 Result<Both<FormedLoops>> measure_loops(const MeasuredSheet& sheet, const std::vector<CoilLoops>& coils,
                                         const std::vector<NeighbourLoops>& pairs, CoilKeep keep,
                                         const Context& context) {
@@ -94,7 +80,7 @@ Result<Both<FormedLoops>> measure_loops(const MeasuredSheet& sheet, const std::v
                share = static_cast<double>(coils.size()) / all;
   const SubProgress of_coils(context, {Stage::inspection, 0, share}),
       of_pairs(context, {Stage::inspection, share, 1});
-  VACUFORM_CHECK(in_batches(coils.size(), of_coils.context(), [&](std::size_t i) {
+  VACUFORM_CHECK(in_batches(coils.size(), 4, Stage::inspection, of_coils.context(), [&](std::size_t i) {
     for (const Way way : both_ways) {
       const FlatLoop& loop = coils[i][way];
       if (loop.line.empty()) continue;
@@ -105,7 +91,7 @@ Result<Both<FormedLoops>> measure_loops(const MeasuredSheet& sheet, const std::v
       out[way].shapes[i] = shape_distance(figures->shape, drawn);
     }
   }));
-  VACUFORM_CHECK(in_batches(pairs.size(), of_pairs.context(), [&](std::size_t i) {
+  VACUFORM_CHECK(in_batches(pairs.size(), 4, Stage::inspection, of_pairs.context(), [&](std::size_t i) {
     for (const Way way : both_ways) {
       const auto &a = out[way].loops[index(pairs[i].a)], &b = out[way].loops[index(pairs[i].b)];
       if (a && b) out[way].pairs_mm[i] = geodesic_distance(sheet, a->centre_rest, b->centre_rest);

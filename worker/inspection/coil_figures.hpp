@@ -109,9 +109,6 @@ struct CoilSummary {
   std::optional<CoupledPair> strongest;             // of all pairs of coils, neighbours or not, by |k|
 };
 
-// Above this many coils only neighbours are coupled: CoilTable::k is empty.
-inline constexpr int most_coupled_coils = 256;
-
 class MeasuredSheet;
 
 // All coils, with the summary of each way.

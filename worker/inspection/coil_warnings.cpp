@@ -49,25 +49,15 @@ Warning out_of_shape(const std::vector<const Coil*>& worst_first, int on_head) {
 }
 
 std::vector<CoupledLoops> coupled_on_head(const CoilTable& table) {
-  std::vector<CoupledLoops> out;
-  std::set<std::pair<int, int>> neighbours;
-  const auto add = [&](int i, int j, double k, std::optional<double> mm) {
-    const Coil &a = table.coils[index(i)], &b = table.coils[index(j)];
-    if (!a.with || !a.with->on_head || !b.with || !b.with->on_head) return;
-    out.push_back(
-        {a.id, b.id, k, mm.value_or((a.with->centre - b.with->centre).norm()),
-         (a.with->centre + b.with->centre) / 2, mm.has_value(),
-         (a.with->centre - b.with->centre).norm() < overlap_share * (a.radius_mm() + b.radius_mm())});
-  };
-  for (const CoilPair& pair : table.pairs) {
-    neighbours.insert(std::minmax(pair.a, pair.b));
-    if (pair.with && pair.with->k) add(pair.a, pair.b, *pair.with->k, pair.with->mm);
-  }
-  for (int a = 0; a < table.k.with.count(); ++a)
-    for (int b = a + 1; b < table.k.with.count(); ++b)
-      if (const double k = table.k.with(a, b); std::abs(k) >= unnulled_k && !neighbours.contains({a, b}))
-        add(a, b, k, std::nullopt);
-  return out;
+  std::vector<ArrayLoop> loops;
+  for (const Coil& coil : table.coils)
+    loops.push_back({coil.id, coil.with ? coil.with->centre : Eigen::Vector3d::Zero(), coil.radius_mm(),
+                     coil.with && coil.with->on_head});
+  std::vector<NeighbourLoop> neighbours;
+  for (const CoilPair& pair : table.pairs)
+    neighbours.push_back(
+        {pair.a, pair.b, pair.with ? pair.with->k : std::nullopt, pair.with ? pair.with->mm : 0});
+  return coupled_loops(loops, neighbours, table.k.with);
 }
 
 }  // namespace

@@ -22,6 +22,10 @@ Result<LaidPattern> lay_pattern(Pattern pattern, const Inputs& inputs, const Cha
   if (laid.placed())
     VACUFORM_CHECK(add_couplings(charted, *laid.placed(), s, decoupling.context(), placement));
   laid.warnings.insert(laid.warnings.end(), placement.warnings.begin(), placement.warnings.end());
+  if (laid.parts && s.coils.decouple) {  // the coils of lines are measured
+    VACUFORM_TRY(pairs, coupled_loops(placement, *laid.placed(), decoupling.context().silent()));
+    if (auto coupled = coupling_warning(pairs, true)) laid.warnings.push_back(*std::move(coupled));
+  }
   laid.placement = std::move(placement);
   VACUFORM_TRY(alignment, align_flat(charted, s.pattern));
   laid.alignment = alignment;

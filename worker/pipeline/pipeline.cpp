@@ -5,7 +5,6 @@
 #include "api/base/sha256.hpp"
 #include "api/job_inputs.hpp"
 #include "api/version.hpp"
-#include "worker/coils/coupled_neighbours.hpp"
 #include "worker/inspection/colour_errors.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/inspection/report_html.hpp"
@@ -83,14 +82,6 @@ Identity identity_of(const Inputs& inputs) {
   return {digest.hex().substr(0, 12), std::move(of_files)};
 }
 
-// Adds those of the placed pattern to those of its print.
-void add_warnings(const LaidPattern& laid, const CoilSettings& coils, std::vector<Warning>& warnings) {
-  warnings.insert(warnings.begin(), laid.warnings.begin(), laid.warnings.end());
-  if (laid.lines || !laid.parts || !coils.decouple) return;  // the coils of lines are measured
-  if (auto coupled = coupling_warning(coupled_loops(laid.placement, *laid.placed()), true))
-    warnings.push_back(std::move(*coupled));
-}
-
 // Of a drawing; the colours of a scan are compared with the scan.
 LengthErrors lengths_of(const LaidPattern& laid, const PatternSettings& settings,
                         std::vector<Warning>& warnings) {
@@ -134,7 +125,7 @@ Result<std::vector<Artifact>> run_stages(const Inputs& inputs, const Use& use, c
                   .layers = std::move(layers),
                   .profile = std::move(files.profile)},
                  printing.context()));
-  add_warnings(laid, s.coils, print.warnings);
+  print.warnings.insert(print.warnings.begin(), laid.warnings.begin(), laid.warnings.end());
   Finished job{.settings = s,
                .mold = formed.mold,
                .sheet = formed.sheet,

@@ -167,7 +167,8 @@ Result<std::optional<Anchor>> anchor_of(const ChartedSurface& charted, const Dra
 // then, against most others, is moved by as much.
 std::optional<Warning> use_places(const ChartedSurface& charted, const Drawing& drawing,
                                   const PatternSettings& settings, ElementLayout& layout) {
-  constexpr double same_surface_mm = 0.1, same_place_mm = 0.02;
+  constexpr double same_surface_mm = 0.5,
+                   same_place_mm = 0.02;  // the coarser sheet of a preview lies within the first
   const InkedSurface& surface = charted.surface();
   const auto place_of = [&](std::size_t i) -> const std::optional<CoilPlace>& {
     return drawing.elements[index(layout.elements[i].element)].place;

@@ -82,8 +82,7 @@ PostgresServer& PostgresServer::get() {
 
 PostgresServer::PostgresServer() : folder_(fs::temp_directory_path() / ("vacuform-pg-" + random_hex(4))) {
   fs::create_directories(folder_);
-  if (const passwd* user = ordinary_user();
-      user && ::chown(folder_.c_str(), user->pw_uid, user->pw_gid) != 0)
+  if (const passwd* user = ordinary_user(); user && ::chown(folder_.c_str(), user->pw_uid, user->pw_gid) != 0)
     give_up("its folder cannot be given to " + std::string(user->pw_name));
   fs::permissions(folder_, fs::perms::owner_all | fs::perms::others_exec);
   const fs::path log = folder_.string() + "-initdb.log";

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "tests/unit/fixtures/coils_shapes.hpp"
+#include "worker/coils/array_starts.hpp"
 #include "worker/coils/inductance.hpp"
 
 namespace vacuform {
@@ -13,18 +14,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using hand_made::Sample;
-
-std::vector<Centre> centres_at(const ChartedSurface& charted, const std::vector<Vector2d>& places) {
-  std::vector<Centre> out;
-  for (const Vector2d& place : places) {
-    Centre centre;
-    centre.point = charted.at_chart(place).point;
-    centre.axis = charted.axis(centre.point.triangle);
-    centre.drawn = place;
-    out.push_back(centre);
-  }
-  return out;
-}
 
 std::vector<Vector2d> flower(double apart, double noise_mm) {
   std::mt19937 random(7);

@@ -109,7 +109,7 @@ TEST(Decoupling, SaysWhichPairsTheSurfaceKeepsCoupled) {
   ASSERT_EQ(p->pairs.size(), 14u);
   EXPECT_GE(worst(*p, &PlacedPair::k), 0.01);
   EXPECT_LT(worst(*p, &PlacedPair::k), worst(*p, &PlacedPair::k_before));
-  const auto coupled = coupling_warning(coupled_loops(*p, drawing), true);
+  const auto coupled = coupling_warning(coupled_loops(*p, drawing, Context()).value(), true);
   ASSERT_TRUE(coupled);
   EXPECT_EQ(coupled->code, "coils-coupled");
   for (const PlacedPair& pair : p->pairs) {
@@ -130,7 +130,7 @@ TEST(Decoupling, CountsPairsThatAreNoNeighbours) {
     const auto p = placed(x, drawing, decouple ? decoupled() : Settings());
     ASSERT_TRUE(p);
     ASSERT_EQ(p->pairs.size(), 4u);  // the sides
-    const auto coupled = coupling_warning(coupled_loops(*p, drawing), decouple);
+    const auto coupled = coupling_warning(coupled_loops(*p, drawing, Context()).value(), decouple);
     ASSERT_TRUE(coupled) << decouple;
     EXPECT_NE(coupled->text.find("2 pairs of "), std::string::npos) << coupled->text;
     for (const char* pair : {"a and c (k = -0.0", "b and d (k = -0.0"})
@@ -148,7 +148,8 @@ TEST(Decoupling, MovesLoopsApartThatAlmostTouch) {
   const auto strongest = [&](const Settings& settings) {
     const auto p = placed(x, drawing, settings);
     double most = 0;
-    for (const CoupledLoops& pair : coupled_loops(*p, drawing)) most = std::max(most, std::abs(pair.k));
+    const auto pairs = coupled_loops(*p, drawing, Context()).value();
+    for (const CoupledLoops& pair : pairs) most = std::max(most, std::abs(pair.k));
     return most;
   };
   EXPECT_GT(strongest(Settings()), 0.04);
@@ -168,11 +169,29 @@ TEST(Decoupling, NeverEndsWorseThanItBegan) {
     const auto strongest = [&](const Settings& settings) {
       const auto p = placed(x, drawing, settings);
       double most = 0;
-      for (const CoupledLoops& pair : coupled_loops(*p, drawing)) most = std::max(most, std::abs(pair.k));
+      const auto pairs = coupled_loops(*p, drawing, Context()).value();
+      for (const CoupledLoops& pair : pairs) most = std::max(most, std::abs(pair.k));
       return most;
     };
     EXPECT_LE(strongest(decoupled()), std::max(0.03, strongest(Settings())) + 1e-9) << round;
   }
+}
+
+// An array is never so large; a drawing of nonsense is, and takes no hours.
+TEST(Decoupling, LeavesMoreLoopsThanItTakesWhereTheyAreAndSaysSo) {
+  const Sample x = hand_made::flat(220, 60);
+  Drawing drawing;
+  for (int i = 0; i < 17; ++i)
+    for (int j = 0; j < 16; ++j)
+      drawing.elements.push_back(hand_made::ring("coil-" + std::to_string(i) + "-" + std::to_string(j),
+                                                 {7.5 * (i - 8), 7.5 * (j - 7)}, 5));
+  const auto drawn = placed(x, drawing), p = placed(x, drawing, decoupled());
+  ASSERT_TRUE(drawn && p);
+  ASSERT_EQ(p->warnings.size(), 1u);
+  EXPECT_EQ(p->warnings[0].code, "coils-not-decoupled");
+  EXPECT_EQ(p->warnings[0].figure->value, 272);
+  for (std::size_t i = 0; i < p->elements.size(); ++i)
+    EXPECT_EQ(p->elements[i].centre, drawn->elements[i].centre) << i;
 }
 
 }  // namespace
