@@ -114,6 +114,8 @@ Relaxation::Relaxation(const ChartedSurface& charted, const Half& half)
     const auto at = [&](std::size_t k) -> const Vector3d& { return surface.inked()[index(c[k])]; };
     samples_.push_back({(at(0) + at(1) + at(2)) / 3, (at(1) - at(0)).cross(at(2) - at(0)) / 2});
   }
+  std::stable_sort(samples_.begin(), samples_.end(),
+                   [](const Sample& a, const Sample& b) { return a.place.x() < b.place.x(); });
 }
 
 Relaxation::State Relaxation::state(std::vector<Centre> centres, double radius_mm, double trace_mm) const {
@@ -122,8 +124,10 @@ Relaxation::State Relaxation::state(std::vector<Centre> centres, double radius_m
   for (const Centre& c : out.centres) {
     const Vector3d place = surface.place(c.point);
     Vector3d normal = Vector3d::Zero();
-    for (const Sample& s : samples_)
-      if ((s.place - place).squaredNorm() < radius_mm * radius_mm) normal += s.normal;
+    const auto from = std::lower_bound(samples_.begin(), samples_.end(), place.x() - radius_mm,
+                                       [](const Sample& s, double x) { return s.place.x() < x; });
+    for (auto s = from; s != samples_.end() && s->place.x() < place.x() + radius_mm; ++s)
+      if ((s->place - place).squaredNorm() < radius_mm * radius_mm) normal += s->normal;
     if (normal.dot(surface.normal(c.point.triangle)) <= 0) normal = surface.normal(c.point.triangle);
     out.places.push_back(place);
     out.normals.push_back(normal.normalized());
@@ -163,62 +167,87 @@ double Relaxation::cost(const State& state) const {
   return sum;
 }
 
+Relaxation::Normal Relaxation::linearised(const State& state) const {
+  const InkedSurface& surface = charted_->surface();
+  const Index size = 2 * static_cast<Index>(state.centres.size());
+  Normal out{MatrixXd::Zero(size, size), VectorXd::Zero(size)};
+  const auto in_frame = [&](int i, const Vector3d& direction) {
+    const Centre& c = state.centres[index(i)];
+    return Vector2d(direction.dot(c.axis), direction.dot(surface.normal(c.point.triangle).cross(c.axis)));
+  };
+  for (const State::Pair& p : state.pairs) {
+    if (p.k == 0) continue;
+    const Vector3d way = (state.places[index(p.b)] - state.places[index(p.a)]).normalized();
+    const double per_mm = p.weight * p.per_ratio / (2 * state.radius_mm), b = p.weight * p.k / coupling_bound;
+    const Vector2d of_a = -per_mm * in_frame(p.a, way), of_b = per_mm * in_frame(p.b, way);
+    const double cube = b * b * b, slope = 3 * b * b / coupling_bound;
+    const double pull = p.weight * p.k / (coupling_unit * coupling_unit) + cube * slope;
+    const double stiffness = 1 / (coupling_unit * coupling_unit) + slope * slope;
+    out.b.segment<2>(2 * p.a) -= pull * of_a;
+    out.b.segment<2>(2 * p.b) -= pull * of_b;
+    out.A.block<2, 2>(2 * p.a, 2 * p.a) += stiffness * of_a * of_a.transpose();
+    out.A.block<2, 2>(2 * p.b, 2 * p.b) += stiffness * of_b * of_b.transpose();
+    out.A.block<2, 2>(2 * p.a, 2 * p.b) += stiffness * of_a * of_b.transpose();
+    out.A.block<2, 2>(2 * p.b, 2 * p.a) += stiffness * of_b * of_a.transpose();
+  }
+  for (int i = 0; i < size / 2; ++i) {
+    const double unit = move_unit_mm * move_unit_mm;
+    out.b.segment<2>(2 * i) -= state.centres[index(i)].moved / unit;
+    out.A.diagonal().segment<2>(2 * i).array() += 1 / unit;
+    const auto keep_in = [&](double mm, const Vector3d& inward) {
+      if (mm <= 0) return;
+      const Vector2d slope = -in_frame(i, inward) / outside_unit_mm;
+      out.b.segment<2>(2 * i) -= mm / outside_unit_mm * slope;
+      out.A.block<2, 2>(2 * i, 2 * i) += slope * slope.transpose();
+    };
+    keep_in(state.outside[index(i)], state.inward[index(i)]);
+    keep_in(half_.outside_mm(state.places[index(i)]), Vector3d(0, half_.side, 0));
+  }
+  return out;
+}
+
+// After a step, of which no move is longer than a part of the radius.
+Relaxation::State Relaxation::moved(const State& from, const VectorXd& step) const {
+  const double longest_mm = 0.15 * from.radius_mm;
+  std::vector<Centre> centres = from.centres;
+  for (std::size_t i = 0; i < centres.size(); ++i) {
+    Vector2d by = step.segment<2>(2 * static_cast<Index>(i));
+    if (by.norm() > longest_mm) by *= longest_mm / by.norm();
+    move(charted_->surface(), centres[i], by);
+  }
+  return state(std::move(centres), from.radius_mm, from.trace_mm);
+}
+
+Arrangement Relaxation::arrangement(State state) {
+  Arrangement out;
+  out.centres = std::move(state.centres), out.radius_mm = state.radius_mm;
+  double squares = 0;
+  for (const State::Pair& p : state.pairs) {
+    squares += p.k * p.k;
+    const bool overlap = p.ratio < overlapping_ratio;
+    out.overlaps += overlap;
+    double& worst = overlap ? out.overlapping : out.apart;
+    worst = std::max(worst, std::abs(p.k));
+  }
+  out.rms = state.pairs.empty() ? 0 : std::sqrt(squares / static_cast<double>(state.pairs.size()));
+  for (const double mm : state.outside) out.outside_mm = std::max(out.outside_mm, mm);
+  for (Centre& c : out.centres) c.moved.setZero();
+  return out;
+}
+
 Arrangement Relaxation::relaxed(std::vector<Centre> centres, double radius_mm, double trace_mm) const {
   constexpr int most_steps = 60;
   constexpr double most_damping = 1e5, least_gain = 2e-3;
-  const InkedSurface& surface = charted_->surface();
   for (Centre& c : centres) c.moved.setZero();
   State now = state(std::move(centres), radius_mm, trace_mm);
   double cost_now = cost(now), damping = 1e-2, gain = 1;
   for (int step = 0; step < most_steps && gain > least_gain; ++step) {
-    const Index size = 2 * static_cast<Index>(now.centres.size());
-    MatrixXd normal = MatrixXd::Zero(size, size);
-    VectorXd rhs = VectorXd::Zero(size);
-    const auto in_frame = [&](int i, const Vector3d& direction) {
-      const Centre& c = now.centres[index(i)];
-      return Vector2d(direction.dot(c.axis), direction.dot(surface.normal(c.point.triangle).cross(c.axis)));
-    };
-    for (const State::Pair& p : now.pairs) {
-      if (p.k == 0) continue;
-      const Vector3d way = (now.places[index(p.b)] - now.places[index(p.a)]).normalized();
-      const double per_mm = p.weight * p.per_ratio / (2 * radius_mm), b = p.weight * p.k / coupling_bound;
-      const Vector2d of_a = -per_mm * in_frame(p.a, way), of_b = per_mm * in_frame(p.b, way);
-      const double cube = b * b * b, slope = 3 * b * b / coupling_bound;
-      const double pull = p.weight * p.k / (coupling_unit * coupling_unit) + cube * slope;
-      const double stiffness = 1 / (coupling_unit * coupling_unit) + slope * slope;
-      rhs.segment<2>(2 * p.a) -= pull * of_a;
-      rhs.segment<2>(2 * p.b) -= pull * of_b;
-      normal.block<2, 2>(2 * p.a, 2 * p.a) += stiffness * of_a * of_a.transpose();
-      normal.block<2, 2>(2 * p.b, 2 * p.b) += stiffness * of_b * of_b.transpose();
-      normal.block<2, 2>(2 * p.a, 2 * p.b) += stiffness * of_a * of_b.transpose();
-      normal.block<2, 2>(2 * p.b, 2 * p.a) += stiffness * of_b * of_a.transpose();
-    }
-    for (int i = 0; i < size / 2; ++i) {
-      const double unit = move_unit_mm * move_unit_mm;
-      rhs.segment<2>(2 * i) -= now.centres[index(i)].moved / unit;
-      normal.diagonal().segment<2>(2 * i).array() += 1 / unit;
-      const auto keep_in = [&](double mm, const Vector3d& inward) {
-        if (mm <= 0) return;
-        const Vector2d slope = -in_frame(i, inward) / outside_unit_mm;
-        rhs.segment<2>(2 * i) -= mm / outside_unit_mm * slope;
-        normal.block<2, 2>(2 * i, 2 * i) += slope * slope.transpose();
-      };
-      keep_in(now.outside[index(i)], now.inward[index(i)]);
-      keep_in(half_.outside_mm(now.places[index(i)]), Vector3d(0, half_.side, 0));
-    }
+    const Normal normal = linearised(now);
     gain = 0;
     for (bool first = true; gain == 0 && damping < most_damping; first = false) {
-      MatrixXd damped = normal;
+      MatrixXd damped = normal.A;
       damped.diagonal() *= 1 + damping;
-      VectorXd way = solve_symmetric(damped, rhs);
-      const double longest_mm = 0.15 * radius_mm;
-      std::vector<Centre> moved = now.centres;
-      for (int i = 0; i < size / 2; ++i) {
-        Vector2d by = way.segment<2>(2 * i);
-        if (by.norm() > longest_mm) by *= longest_mm / by.norm();
-        move(surface, moved[index(i)], by);
-      }
-      State next = state(std::move(moved), radius_mm, trace_mm);
+      State next = moved(now, solve_symmetric(damped, normal.b));
       if (const double cost_next = cost(next); cost_next < cost_now) {
         gain = 1 - cost_next / cost_now;
         now = std::move(next), cost_now = cost_next;
@@ -228,20 +257,7 @@ Arrangement Relaxation::relaxed(std::vector<Centre> centres, double radius_mm, d
       }
     }
   }
-  Arrangement out;
-  out.centres = std::move(now.centres), out.radius_mm = radius_mm;
-  double squares = 0;
-  for (const State::Pair& p : now.pairs) {
-    squares += p.k * p.k;
-    const bool overlap = p.ratio < overlapping_ratio;
-    out.overlaps += overlap;
-    double& worst = overlap ? out.overlapping : out.apart;
-    worst = std::max(worst, std::abs(p.k));
-  }
-  out.rms = now.pairs.empty() ? 0 : std::sqrt(squares / static_cast<double>(now.pairs.size()));
-  for (const double mm : now.outside) out.outside_mm = std::max(out.outside_mm, mm);
-  for (Centre& c : out.centres) c.moved.setZero();
-  return out;
+  return arrangement(std::move(now));
 }
 
 }  // namespace vacuform

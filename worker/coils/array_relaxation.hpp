@@ -59,13 +59,20 @@ class Relaxation {
     Eigen::Vector3d place, normal;  // the normal as long as the area
   };
   struct State;
+  struct Normal {
+    Eigen::MatrixXd A;
+    Eigen::VectorXd b;
+  };
   State state(std::vector<Centre> centres, double radius_mm, double trace_mm) const;
   double cost(const State& state) const;
+  Normal linearised(const State& state) const;
+  State moved(const State& from, const Eigen::VectorXd& step) const;
+  static Arrangement arrangement(State state);
 
   const ChartedSurface* charted_;
   Half half_;
   CircleCouplings couplings_;
-  std::vector<Sample> samples_;
+  std::vector<Sample> samples_;  // by x
   std::vector<Eigen::Vector3d> border_;
 };
 

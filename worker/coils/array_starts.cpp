@@ -139,9 +139,7 @@ ArrayStarts::Domain ArrayStarts::about_middle(const Domain& whole, double area) 
   if (wish_.region == ArrayRegion::dome) middle = charted_.surface().place(charted_.at_chart({0, 0}).point);
   std::vector<std::size_t> order(whole.vertices.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto far = [&](std::size_t i) {
-    return (inked[index(whole.vertices[i])] - middle).squaredNorm();
-  };
+  const auto far = [&](std::size_t i) { return (inked[index(whole.vertices[i])] - middle).squaredNorm(); };
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return far(a) < far(b); });
   Domain out;
   for (std::size_t i = 0; i < order.size() && out.area < area; ++i) {
@@ -166,8 +164,8 @@ std::vector<Vector3d> ArrayStarts::lattice(const Domain& domain, double turn) co
                    [](const Vector2d& a, const Vector2d& b) { return a.squaredNorm() < b.squaredNorm(); });
   std::vector<Vector3d> out;
   for (int i = 0; i < count; ++i)
-    out.push_back(
-        charted_.surface().place(charted_.at_chart(middle + Eigen::Rotation2Dd(turn) * nodes[index(i)]).point));
+    out.push_back(charted_.surface().place(
+        charted_.at_chart(middle + Eigen::Rotation2Dd(turn) * nodes[index(i)]).point));
   return out;
 }
 
@@ -200,8 +198,7 @@ Result<ElementLayout> ArrayStarts::spread(double extra_mm, bool settle, double t
                                           const Context& context) const {
   const InkedSurface& surface = charted_.surface();
   VACUFORM_TRY(where, domain_for(extra_mm));
-  const Tessellation cells =
-      tessellate(surface, where.vertices, where.areas, lattice(where, turn), settle);
+  const Tessellation cells = tessellate(surface, where.vertices, where.areas, lattice(where, turn), settle);
   VACUFORM_CHECK(context.step(Stage::printing, 0));
   ElementLayout layout = element_layout(charted_, cells);
   drop_distant(surface, layout);
@@ -216,7 +213,8 @@ Result<ElementLayout> ArrayStarts::spread(double extra_mm, bool settle, double t
   return layout;
 }
 
-Result<ElementLayout> ArrayStarts::equally_spread(double extra_mm, bool settle, const Context& context) const {
+Result<ElementLayout> ArrayStarts::equally_spread(double extra_mm, bool settle,
+                                                  const Context& context) const {
   VACUFORM_TRY(layout, spread(extra_mm, settle, 0, context));
   const InkedSurface& surface = charted_.surface();
   const double spacing = ratio_of(wish_) * 2 * layout.elements.front().outline.radius_mm;
@@ -249,7 +247,8 @@ std::vector<Centre> ArrayStarts::drawn_together(const ElementLayout& layout, dou
   return centres_at(charted_, places);
 }
 
-std::vector<Centre> ArrayStarts::hexagons(const Vector2d& middle, double spacing, double turn, int kind) const {
+std::vector<Centre> ArrayStarts::hexagons(const Vector2d& middle, double spacing, double turn,
+                                          int kind) const {
   const int count = wish_.count;
   const Vector2d from = kind == 0   ? Vector2d(0, 0)
                         : kind == 1 ? Vector2d(0.5, 0)

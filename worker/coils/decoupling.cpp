@@ -130,7 +130,7 @@ class Decoupling {
   // Calls work(p) for every pair, and work(i) for every element that is a coil.
   template <class Work>
   Result<void> for_pairs(const Work& work) const {
-    return in_batches(pairs_.size(), 1024, Stage::printing, context_.silent(), work);
+    return in_batches(pairs_.size(), 64, Stage::printing, context_.silent(), work);
   }
   template <class Work>
   Result<void> for_coils(const Work& work) const {

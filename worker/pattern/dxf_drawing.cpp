@@ -13,6 +13,7 @@
 #include "worker/pattern/curve.hpp"
 #include "worker/pattern/dxf_file.hpp"
 #include "worker/pattern/svg_path.hpp"
+#include "worker/pattern/svg_size.hpp"
 
 namespace vacuform {
 
@@ -27,6 +28,7 @@ constexpr std::size_t most_dxf_points = 2'000'000;
 constexpr int deepest_block = 16;
 constexpr double farthest = 1e9;  // drawing units
 constexpr double join_mm = 0.01;
+constexpr double most_mm = 2000;  // no print is larger
 
 struct DxfLine {
   Curve curve;
@@ -44,6 +46,7 @@ struct DxfUnit {
   const char* name;
   double mm;
 };
+
 constexpr std::array<DxfUnit, 10> dxf_units{{{1, "inches", 25.4},
                                              {2, "feet", 304.8},
                                              {4, "mm", 1},
@@ -404,7 +407,14 @@ class DxfReader {
     } else {
       const auto unit = std::find_if(dxf_units.begin(), dxf_units.end(),
                                      [&](const DxfUnit& u) { return u.code == file_.units; });
-      if (unit == dxf_units.end()) return ask_unit(page);
+      if (unit == dxf_units.end())
+        return ask_unit(page, "the DXF does not say its unit ($INSUNITS): it is " +
+                                  short_decimal(box_.sizes().x(), 6) + " x " +
+                                  short_decimal(box_.sizes().y(), 6));
+      // Many never set the unit, which is inches in an empty drawing of AutoCAD.
+      if (page(unit->mm).maxCoeff() > most_mm)
+        return ask_unit(page, "the DXF is " + size_text(page(unit->mm)) + " large, in " + unit->name +
+                                  " as its $INSUNITS says");
       scale = unit->mm;
       out_.size_from = short_decimal(sides.x(), 6) + " x " + short_decimal(sides.y(), 6) + " " + unit->name +
                        ", as its $INSUNITS says";
@@ -416,21 +426,17 @@ class DxfReader {
   }
 
   template <class Page>
-  tl::unexpected<Error> ask_unit(const Page& page) const {
+  tl::unexpected<Error> ask_unit(const Page& page, const std::string& what) const {
     std::vector<Proposal> proposals;
     for (const int code : {4, 5, 1, 9}) {
       const auto unit =
           std::find_if(dxf_units.begin(), dxf_units.end(), [&](const DxfUnit& u) { return u.code == code; });
       const Vector2d mm = page(unit->mm);
-      if (mm.x() >= 5 && mm.x() <= 2000 && mm.y() <= 2000)
-        proposals.push_back(
-            {{{"pattern.width_mm", std::round(1000 * mm.x()) / 1000}},
-             decimal(mm.x(), 1) + " x " + decimal(mm.y(), 1) + " mm, if it is drawn in " + unit->name});
+      if (mm.x() >= 5 && mm.maxCoeff() <= most_mm)
+        proposals.push_back({{{"pattern.width_mm", std::round(1000 * mm.x()) / 1000}},
+                             size_text(mm) + ", if it is drawn in " + unit->name});
     }
-    return fail(Code::unusable_pattern,
-                "the DXF does not say its unit ($INSUNITS): it is " + short_decimal(box_.sizes().x(), 6) +
-                    " x " + short_decimal(box_.sizes().y(), 6),
-                file_name_, "say how large it is", std::move(proposals),
+    return fail(Code::unusable_pattern, what, file_name_, "say how large it is", std::move(proposals),
                 "set the unit in the program that made it");
   }
 

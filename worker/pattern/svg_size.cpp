@@ -84,8 +84,6 @@ std::string by_pixels(const Pixels& pixels) {
   return "at " + short_decimal(pixels.dpi) + " px/in, " + pixels.by;
 }
 
-std::string size_text(const Vector2d& mm) { return decimal(mm.x(), 1) + " x " + decimal(mm.y(), 1) + " mm"; }
-
 // Nobody says how long a pixel is. `numbers` are those of a drawing without any unit, which may be millimetres.
 tl::unexpected<Error> ask(const std::string& what, const std::optional<Vector2d>& numbers,
                           const std::function<Vector2d(double dpi)>& size_at, const std::string& file_name) {
@@ -354,6 +352,8 @@ class Sizer {
 };
 
 }  // namespace
+
+std::string size_text(const Vector2d& mm) { return decimal(mm.x(), 1) + " x " + decimal(mm.y(), 1) + " mm"; }
 
 Result<SizedSvg> size_svg(std::string text, const std::string& file_name, const PatternSettings& settings) {
   return Sizer(std::move(text), file_name, settings).run();

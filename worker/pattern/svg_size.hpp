@@ -27,4 +27,7 @@ struct SizedSvg {
 // the settings that choose one. `text` is well-formed XML.
 Result<SizedSvg> size_svg(std::string text, const std::string& file_name, const PatternSettings& settings);
 
+// "120.0 x 80.0 mm".
+std::string size_text(const Eigen::Vector2d& mm);
+
 }  // namespace vacuform

@@ -24,7 +24,18 @@ class Context {
   }
 
   void cancel() noexcept { state_->cancelled.store(true, std::memory_order_relaxed); }
-  bool cancelled() const noexcept { return state_->cancelled.load(std::memory_order_relaxed); }
+  bool cancelled() const noexcept {
+    for (const State* state = state_.get(); state; state = state->whole.get())
+      if (state->cancelled.load(std::memory_order_relaxed)) return true;
+    return false;
+  }
+
+  // A handle with a listener of its own, for a part of the work: it is cancelled with the whole.
+  Context part(Listener listener) const {
+    Context out(std::move(listener));
+    out.state_->whole = state_;
+    return out;
+  }
 
   // A handle for work beside a stage: it is cancelled with the others, and reports nothing.
   Context silent() const {
@@ -49,6 +60,7 @@ class Context {
   struct State {
     std::atomic<bool> cancelled{false};
     Listener listener;
+    std::shared_ptr<const State> whole;
   };
   std::shared_ptr<State> state_;
   bool silent_ = false;

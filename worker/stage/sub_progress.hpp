@@ -12,16 +12,13 @@ struct StageShare {
 };
 
 // Passes `whole` on as the context of one of several runs: every stage that the run reports moves the stage of the whole
-// within the share, and a cancellation of the whole cancels the run at its next report.
+// within the share.
 class SubProgress {
  public:
   SubProgress(const Context& whole, const StageShare& share)
-      : part_([this, whole, share](Stage, double fraction) {
-          if (whole.cancelled()) part_.cancel();
+      : part_(whole.part([whole, share](Stage, double fraction) {
           whole.report(share.stage, share.from + (share.to - share.from) * fraction);
-        }) {}
-  SubProgress(const SubProgress&) = delete;  // its context's listener refers to it
-  SubProgress& operator=(const SubProgress&) = delete;
+        })) {}
 
   const Context& context() const { return part_; }
 

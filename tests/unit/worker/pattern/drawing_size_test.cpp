@@ -136,6 +136,59 @@ TEST(DrawingSize, WhoeverKnowsNotIsAsked) {
       "mm");
 }
 
+// Roots of files that people reported to other programs, which took them for another size. A width of 0: it is asked.
+TEST(DrawingSize, RootsThatOtherProgramsTookForAnotherSize) {
+  struct Case {
+    const char* report;
+    std::string root;
+    Vector2d mm, egg_mm;
+  };
+  const double pt = 25.4 / 72, old_px = 25.4 / 90;
+  for (const auto& c : {
+           Case{"OpenBuilds-CAM 98, by Cairo", "width='612pt' height='792pt' viewBox='0 0 612 792'",
+                pt * Vector2d(612, 792), pt * Vector2d(24, 14)},
+           Case{"OpenBuilds-CAM 76",
+                "width='50mm' height='50mm' viewBox='0 0 177.16535 177.16535' "
+                "inkscape:version='0.91 r13725'",
+                {50, 50},
+                50 / 177.16535 * Vector2d(24, 14)},
+           Case{"LasaurApp 72, no viewBox",
+                "width='1220mm' height='610mm' inkscape:version='0.48.4 r9939'",
+                {1220, 610},
+                old_px * Vector2d(24, 14)},
+           Case{"LaserWeb4 223, by CorelDRAW",
+                "width='457.285mm' height='135.043mm' viewBox='0 0 38014 11224'",
+                {457.285, 135.043},
+                457.285 / 38014 * Vector2d(24, 14)},
+           Case{"cnc-text-tool 5",
+                "width='60in' height='50in' viewBox='0 0 60 50'",
+                {1524, 1270},
+                25.4 * Vector2d(24, 14)},
+           Case{"not square: the shorter side counts",
+                "width='100mm' height='100mm' viewBox='0 0 200 80'",
+                {100, 100},
+                0.5 * Vector2d(24, 14)},
+           Case{"LaserWeb4 346, by Illustrator without its comment",
+                "width='850.39px' height='566.93px' viewBox='0 0 850.39 566.93'",
+                {0, 0},
+                {0, 0}},
+           Case{"grid-apps 299, by Affinity",
+                "width='100%' height='100%' viewBox='0 0 3508 4961'",
+                {0, 0},
+                {0, 0}},
+           Case{"openscad 1122", "width='100' height='100' viewBox='-1 -101 102 102'", {0, 0}, {0, 0}},
+           Case{"meerk40t 1228", "viewBox='0 0 72.5 72.5'", {0, 0}, {0, 0}},
+           Case{"Proxy-PDF-Maker 62, by Qt", "baseProfile='tiny' version='1.2'", {0, 0}, {0, 0}},
+           Case{"libvips 4628", "width='100' height='100' viewBox='0 0 100 100'", {0, 0}, {0, 0}},
+       }) {
+    const auto pattern = read_as_stored(svg_file(c.root));
+    ASSERT_EQ(pattern.has_value(), c.mm.x() > 0) << c.report;
+    if (!pattern) continue;
+    EXPECT_LT((pattern->size_mm() - c.mm).norm(), 1e-6) << c.report;
+    EXPECT_LT((egg_of(*pattern).sizes() - c.egg_mm).norm(), 1e-6) << c.report;
+  }
+}
+
 TEST(DrawingSize, UnitsMayBeInCapitals) {
   const auto pattern = read_as_stored(svg_file("width='120MM' height='8Cm' viewBox='0 0 120 80'"));
   ASSERT_TRUE(pattern) << pattern.error().text();

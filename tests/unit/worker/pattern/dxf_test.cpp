@@ -174,6 +174,14 @@ TEST(Dxf, TheUnitIsThatOfTheFileOrAskedFor) {
             "pattern.width_mm=31 (31.0 x 21.0 mm, if it is drawn in cm) or --set pattern.width_mm=77.2 (77.2 "
             "x 51.8 mm, if "
             "it is drawn in inches); or set the unit in the program that made it");
+  // An empty drawing of AutoCAD is in inches, and many draw in it as if it were in mm (FreeCAD 10253).
+  const std::string large = "0=LWPOLYLINE 8=0 90=3 70=1 10=0 20=0 10=120 20=0 10=120 20=80";
+  EXPECT_EQ(refusal_of(dxf_file(large, 1)),
+            "the DXF is 3049.0 x 2033.0 mm large, in inches as its $INSUNITS says (c.dxf); say how large it "
+            "is: --set "
+            "pattern.width_mm=121 (121.0 x 81.0 mm, if it is drawn in mm) or --set pattern.width_mm=1201 "
+            "(1201.0 x 801.0 mm, if it is drawn in cm); or set the unit in the program that made it");
+  EXPECT_TRUE(read_dxf(dxf_file(large, 1), lines_of(1, 121)));
   const auto inches = read_dxf(dxf_file(line, 0), lines_of(1, 77.2));
   ASSERT_TRUE(inches) << inches.error().text();
   EXPECT_LT((inches->pattern.size_mm() - Vector2d(77.2, 51.8)).norm(), 1e-9);

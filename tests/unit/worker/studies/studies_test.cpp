@@ -29,10 +29,13 @@ TEST(SubProgress, MovesTheWholeAndIsCancelledWithIt) {
   EXPECT_TRUE(part.context().step(Stage::scan, 0));
   EXPECT_TRUE(part.context().step(Stage::forming, 0.5));
   whole.cancel();
-  (void)part.context().step(Stage::forming, 1);
+  EXPECT_FALSE(part.context().silent().step(Stage::forming, 1));  // also where nothing is reported
   EXPECT_FALSE(part.context().step(Stage::forming, 1));
-  EXPECT_EQ(heard[0], 0.25);
-  EXPECT_EQ(heard[1], 0.5);
+  EXPECT_EQ(heard, (std::vector<double>{0.25, 0.5}));
+  Context other;
+  const SubProgress beside(other, {Stage::forming, 0, 1});
+  Context(beside.context()).cancel();
+  EXPECT_FALSE(other.cancelled());
 }
 
 // Two triangles of a square; a point on their common edge, on the rim, and off them.
