@@ -2,9 +2,12 @@
 #pragma once
 
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "worker/flattening/flattening.hpp"
 #include "worker/surface/inked_surface.hpp"
+#include "worker/surface/plane_locator.hpp"
 
 namespace vacuform {
 
@@ -21,7 +24,7 @@ class ChartedSurface {
 
   // The point with the given chart coordinates. Off the chart, the nearest point of its border. If the chart overlaps
   // itself, the point that is nearest in space to `near`, or without it that of the first triangle. Linear in the
-  // triangles of the chart.
+  // triangles of the chart with `near`, and off the chart in the edges of its border.
   struct OnChart {
     SheetPoint point{};
     double off_mm = 0;  // distance from the chart, chart millimetres; 0 on it
@@ -33,9 +36,15 @@ class ChartedSurface {
   Eigen::Vector3d axis(int t) const;
 
  private:
+  // Of the points with these chart coordinates the one that is nearest to `near`.
+  std::optional<SheetPoint> nearest_of(const Eigen::Vector2d& chart, const Eigen::Vector3d& near) const;
+
   const InkedSurface* surface_;
   const Flattening* flattening_;
   std::vector<char> on_chart_;
+  PlaneLocator locator_;  // on the chart
+  std::vector<std::pair<int, int>>
+      border_;  // triangles, and which of their edges have nothing of the chart across
 };
 
 }  // namespace vacuform
