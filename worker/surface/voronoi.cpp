@@ -4,6 +4,7 @@
 #include <map>
 
 #include "worker/stage/index.hpp"
+#include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 
@@ -28,10 +29,12 @@ Tessellation tessellate(const InkedSurface& surface, const std::vector<int>& ver
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     std::vector<Vector3d> sum(sites.size(), Vector3d::Zero());
     std::vector<double> area(sites.size(), 0);
+    in_parallel(0, static_cast<int>(vertices.size()), [&](int first, int last) {
+      for (std::size_t i = index(first); i < index(last); ++i)
+        cell[i] = nearest(sites, surface.inked()[index(vertices[i])]);
+    });
     for (std::size_t i = 0; i < vertices.size(); ++i) {
-      const Vector3d& p = surface.inked()[index(vertices[i])];
-      cell[i] = nearest(sites, p);
-      sum[cell[i]] += areas[i] * p;
+      sum[cell[i]] += areas[i] * surface.inked()[index(vertices[i])];
       area[cell[i]] += areas[i];
     }
     if (!settle) break;
