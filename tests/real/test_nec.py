@@ -11,7 +11,7 @@ import real_scans
 from harness import BIN, Case, vacuform
 
 MHZ = 20  # a loop is short against the wave, and NEC's double precision still holds
-LEAST_APART_MM = 3  # nearer wires are no thin wires any more, and those that cross are none at all
+LEAST_APART_MM = 3  # NEC models thin wires: nearer ones are thick for their distance, and none may cross
 
 
 def currents(loops):

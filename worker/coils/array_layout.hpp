@@ -1,5 +1,5 @@
-// An array of loops made for one formed head: spread evenly over a region, and overlapped critically and decoupled on the
-// surface, or as much as the settings ask for.
+// An array of loops made for one formed head: as large as lets them couple little on the surface, or spread evenly over a
+// region and overlapped as much as the settings ask for.
 #pragma once
 
 #include <optional>

@@ -35,9 +35,9 @@ std::optional<Warning> not_decoupled(const std::vector<LaidCoil>& coils) {
       std::count_if(coils.begin(), coils.end(), [](const LaidCoil& coil) { return coil.self_nh > 0; }));
   if (loops <= most_coupled_coils) return std::nullopt;
   return Warning{.code = "coils-not-decoupled",
-                 .text = "The drawing has " + std::to_string(loops) + " loops on the sheet, and at most " +
-                         std::to_string(most_coupled_coils) +
-                         " are decoupled: they lie where they were drawn",
+                 .text = "The drawing has " + std::to_string(loops) +
+                         " loops on the sheet, and decoupling takes at most " +
+                         std::to_string(most_coupled_coils) + ": none of them was moved or resized",
                  .figure = Warning::Figure{static_cast<double>(loops), "loops", most_coupled_coils}};
 }
 

@@ -12,8 +12,9 @@
 namespace vacuform {
 
 // Computes the couplings of the pairs of the placement. With coils.decouple it computes them before and after the coils
-// are moved and resized (decoupling.hpp); "coils-moved" warns when a coil moved by more than 10 mm, "coils-not-decoupled" that there are
-// more than most_coupled_coils. `drawing` is what place() laid out. Deterministic. Errors: cancelled.
+// are moved and resized (decoupling.hpp); "coils-moved" warns when a coil moved by more than 10 mm,
+// "coils-not-decoupled" that there are more than most_coupled_coils. `drawing` is what place() laid out. Deterministic.
+// Errors: cancelled.
 Result<void> add_couplings(const ChartedSurface& charted, const Drawing& drawing, const Settings& settings,
                            const Context& context, Placement& placement);
 
