@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "api/base/decimal.hpp"
+
 namespace vacuform {
 
 using nlohmann::json;
@@ -76,6 +78,8 @@ ordered_json layout_values(const json& layout) {
     rows.push_back({{"title", title}, {"value", value}});
   };
   row("Coils", figure("count", 0) + ", " + figure("off_head", 0) + " of them not wholly on the head");
+  if (const json& share = at(layout, {"covered"}); share.is_number())
+    row("Share of the region within a coil", decimal(100 * share.get<double>(), 0) + " %");
   row("Diameter", figure("diameter_mm", 1) + " mm");
   row("Distance of neighbours", figure("spacing_mm", 2) + " mm, " + figure("spacing_rms_mm", 2) +
                                     " mm rms over " + figure("pairs", 0) + " pairs");

@@ -1,9 +1,9 @@
 // Arrays of 8 to 64 loops on the shared heads at default settings: how long a layout takes, and how the loops couple.
 //
-//   bench_layout [--json] [--overlap RATIO] [head...]
+//   bench_layout [--json] [count...] [head...]
 //
-// Per head and count: seconds and CPU seconds of lay_out_array() (the head is formed before), loops off the head, and of
-// all pairs of the laid loops the rms of k and the largest |k|.
+// Per head and count: seconds and CPU seconds of lay_out_array() (the head is formed before), loops off the head, the
+// share of the head within a loop, and of all pairs of the laid loops the rms of k and the largest |k|.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -67,6 +67,7 @@ void measure(const std::string& head, const std::vector<int>& wanted, bool json)
                                          {"seconds", took},
                                          {"cpu_seconds", cpu},
                                          {"off_head", array.off_head},
+                                         {"covered", array.covered},
                                          {"k_rms", array.k_rms},
                                          {"k_neighbours", neighbours},
                                          {"k", all}}
@@ -74,9 +75,11 @@ void measure(const std::string& head, const std::vector<int>& wanted, bool json)
                               .c_str());
     else
       std::printf(
-          "%-28s %3d loops of %5.1f mm  %6.2f s %6.2f CPU s  %d off  k: rms %.4f, neighbours %+.4f, all "
+          "%-28s %3d loops of %5.1f mm  %6.2f s %6.2f CPU s  %d off, %2.0f %%  k: rms %.4f, neighbours "
+          "%+.4f, all "
           "%+.4f\n",
-          head.c_str(), count, array.diameter_mm, took, cpu, array.off_head, array.k_rms, neighbours, all);
+          head.c_str(), count, array.diameter_mm, took, cpu, array.off_head, 100 * array.covered, array.k_rms,
+          neighbours, all);
     std::fflush(stdout);
   }
 }

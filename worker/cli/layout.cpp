@@ -29,8 +29,8 @@ void print_coupling(const char* of_what, const nlohmann::ordered_json& pair) {
 
 void print_text(const ScanLayout& layout) {
   const Array& array = layout.array;
-  std::printf("%s on the head, spacing %.2f mm rms over %d pairs\n", title_of(array).c_str(),
-              array.spacing_rms_mm, array.pairs);
+  std::printf("%s on the head, spacing %.2f mm rms over %d pairs, over %.0f %% of the region\n",
+              title_of(array).c_str(), array.spacing_rms_mm, array.pairs, 100 * array.covered);
   print_coupling("neighbours", layout.report["strongest_neighbours"]);
   print_coupling("any two coils", layout.report["strongest"]);
   if (array.off_head > 0) std::printf("%d of them do not lie wholly on the formed part\n", array.off_head);

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "api/base/decimal.hpp"
@@ -64,12 +65,16 @@ std::optional<StrongestPair> strongest_neighbours(const Trial& trial) {
   return out;
 }
 
-// Above 1: neighbours couple by more than .01, others by more than unnulled_k, or all by more than .01 rms.
-double excess_of(const Trial& trial, const CouplingMatrix& matrix) {
-  const auto strongest = strongest_pair(matrix, [](int) { return true; });
-  const auto neighbours = strongest_neighbours(trial);
-  return std::max({strongest ? std::abs(strongest->k) / unnulled_k : 0,
-                   neighbours ? std::abs(neighbours->k) / 0.01 : 0, rms(matrix) / 0.01});
+// What decoupling aims at: neighbours below it, and all pairs by rms.
+constexpr double little_k = 0.01;
+constexpr double likely_rms = 0.01175;     // of an arrangement that decoupling is likely to bring below that
+constexpr std::size_t most_decoupled = 3;  // arrangements
+
+// Whether no pair couples by more than it should.
+bool is_decoupled(const Trial& trial, const CouplingMatrix& matrix) {
+  const auto all = strongest_pair(matrix, [](int) { return true; });
+  const auto near = strongest_neighbours(trial);
+  return (!all || std::abs(all->k) <= unnulled_k) && (!near || std::abs(near->k) <= little_k);
 }
 
 // Loops as evenly spread as the wish's overlap asks; farther and farther from the border until none is off the head.
@@ -93,11 +98,12 @@ Result<Trial> overlapping(const ChartedSurface& charted, const LayoutSettings& w
   return *std::move(best);
 }
 
-// The best arrangement of each size, the largest first: from evenly spread centres and from hexagonal lattices.
+// The best arrangement of each size, the largest first, until enough are worth decoupling: from evenly spread centres
+// and from hexagonal lattices.
 Result<std::vector<Arrangement>> arrangements(const ChartedSurface& charted, const LayoutSettings& wish,
                                               const Context& context) {
   const ArrayStarts from(charted, wish);
-  constexpr int most_sizes = 8, many = 32;
+  constexpr int most_sizes = 10, many = 32;
   constexpr double smaller = 0.935;
   const int ways = wish.count > many ? 2 : 3, lattice_turns = wish.count > many ? 2 : 5;
   const bool fitted = wish.diameter_mm == 0;
@@ -109,27 +115,46 @@ Result<std::vector<Arrangement>> arrangements(const ChartedSurface& charted, con
     spreads.push_back(*std::move(layout));
   }
   const double largest = spreads.front().elements.front().outline.radius_mm;
-  Vector2d middle = Vector2d::Zero();
-  for (const Centre& c : spreads.front().centres) middle += c.drawn / wish.count;
+  const Vector2d middle = from.middle(spreads.front());
   const Relaxation relaxation(charted, from.half());
+  const Middle about = relaxation.middle_of(spreads.front().centres, largest);
+  std::size_t enough = 0;
   std::vector<Arrangement> out;
-  for (int size = 0; size < (fitted ? most_sizes : 1); ++size) {
+  // Of many loops, those that would fill the region never couple little enough.
+  const int first_size = fitted && wish.count > many ? 1 : 0;
+  for (int size = first_size; size < (fitted ? most_sizes : 1); ++size) {
     VACUFORM_CHECK(context.step(Stage::printing, static_cast<double>(size) / most_sizes));
     const double share = std::pow(smaller, size), radius = share * largest;
     std::vector<std::vector<Centre>> starts;
-    for (const ElementLayout& evenly : spreads)
-      for (const double together : {1.0, share}) starts.push_back(from.drawn_together(evenly, together));
+    for (const ElementLayout& evenly : spreads) starts.push_back(from.drawn_together(evenly, middle, share));
     for (int turn = 0; turn < lattice_turns; ++turn)
       for (int kind = 0; kind < 3; ++kind)
         starts.push_back(from.hexagons(middle, 2 * critical * radius, turn * M_PI / 3 / lattice_turns, kind));
     std::vector<Arrangement> found(starts.size());
     in_parallel(0, static_cast<int>(starts.size()), [&](int first, int last) {
       for (std::size_t i = index(first); i < index(last); ++i)
-        found[i] = relaxation.relaxed(std::move(starts[i]), radius, loop_trace_mm);
+        found[i] = relaxation.relaxed(std::move(starts[i]), radius, loop_trace_mm, about);
     });
     out.push_back(best_of(found));
-    if (out.back().score() <= 1) break;
+    const bool likely = out.back().is_whole() && out.back().rms <= likely_rms;
+    if (likely && (++enough == most_decoupled || wish.count > many)) break;
   }
+  return out;
+}
+
+// Of arrangements of smaller and smaller loops, the first without gaps that decoupling is likely to bring below little_k
+// rms, and smaller ones. Few loops have many pairs with one loop between them, which no distance decouples: of these, what
+// couples about as little as it can.
+std::vector<Arrangement> worth_decoupling(std::vector<Arrangement> found) {
+  constexpr double about = 1.12;
+  double rms = std::numeric_limits<double>::infinity();
+  for (const Arrangement& one : found)
+    if (one.is_whole()) rms = std::min(rms, one.rms);
+  const double most = rms <= likely_rms ? likely_rms : about * rms;
+  std::vector<Arrangement> out;
+  for (Arrangement& one : found)
+    if (one.is_whole() && one.rms <= most && out.size() < most_decoupled) out.push_back(std::move(one));
+  if (out.empty()) out.push_back(best_of(found));
   return out;
 }
 
@@ -166,24 +191,21 @@ Result<Trial> laid_out(const ChartedSurface& charted, const Arrangement& arrange
   return out;
 }
 
-// The largest loops that couple as little as they should; else those that couple least.
+// The largest loops of which no pair couples by more than it should; else the largest that couple by little_k rms.
 Result<Trial> decoupled(const ChartedSurface& charted, const LayoutSettings& wish, const CoilSettings& coils,
                         const Context& context) {
-  constexpr int most_tried = 3;
-  constexpr double good = 1.35;
   const SubProgress first(context, {Stage::printing, 0, 0.5}), second(context, {Stage::printing, 0.5, 1});
   VACUFORM_TRY(found, arrangements(charted, wish, first.context()));
-  std::size_t from = 0;  // decoupling takes a third off what is left
-  while (from + 1 < found.size() && found[from].score() > good) ++from;
-  if (found[from].score() > good) from = index(static_cast<int>(&best_of(found) - found.data()));
   std::optional<Trial> best;
-  double least = 0;
-  for (std::size_t i = from; i < std::min(found.size(), from + most_tried); ++i) {
-    VACUFORM_TRY(trial, laid_out(charted, found[i], coils, second.context()));
+  std::pair<int, bool> least;  // loops off the head, whether all couple by more than they could
+  for (const Arrangement& arrangement : worth_decoupling(std::move(found))) {
+    const bool likely = arrangement.rms <= likely_rms;
+    VACUFORM_TRY(trial, laid_out(charted, arrangement, coils, second.context()));
     VACUFORM_TRY(matrix, coupling_matrix(trial.laid, second.context()));
-    const double excess = off_head(trial.laid) + excess_of(trial, matrix);
-    if (!best || excess < least) best = std::move(trial), least = excess;
-    if (least <= 1) break;
+    const std::pair<int, bool> faults{off_head(trial.laid), rms(matrix) > little_k && likely};
+    const bool good = faults == std::pair(0, false) && is_decoupled(trial, matrix);
+    if (!best || good || faults < least) best = std::move(trial), least = faults;
+    if (good) break;
   }
   return *std::move(best);
 }
@@ -227,6 +249,7 @@ Result<Array> lay_out_array(const ChartedSurface& charted, const LayoutSettings&
   out.diameter_mm = 2 * layout.elements.front().outline.radius_mm;
   out.pairs = static_cast<int>(layout.pairs.size());
   out.off_head = off_head(laid);
+  out.covered = ArrayStarts(charted, wish).covered(layout);
   out.strongest_neighbours = strongest_neighbours(best);
   VACUFORM_TRY(matrix, coupling_matrix(laid, last.context()));
   out.strongest = strongest_pair(matrix, [](int) { return true; });

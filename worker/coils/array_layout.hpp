@@ -25,15 +25,17 @@ struct Array {
   double k_rms = 0;                // over all pairs
   std::optional<Warning> coupled;  // "coils-coupled" (coupled_neighbours.hpp)
   int pairs = 0, off_head = 0;
+  double covered = 0;  // share of the region's area that lies within a loop
 };
 
-// Loops of one size, which decoupling may change within coils.size_limit. With wish.overlap they are spread evenly over
-// the region (a centroidal Voronoi tessellation, or a hexagonal lattice of a given diameter), at equal geodesic distances.
-// Otherwise many ways to begin, evenly spread and hexagonal, are relaxed (array_relaxation.hpp), for a fitted diameter at
-// smaller and smaller sizes; the largest that couples little enough is laid and decoupled exactly: neighbours below 0.01,
-// others below unnulled_k, all of them below 0.01 rms; if none does, the one that couples least. All of it takes some
-// seconds at most. Loops off the head are counted in off_head. The settings decouple and stretch_limit of `coils` have no
-// effect. Deterministic. Errors: unusable_surface (they do not fit), cancelled.
+// Loops of one size, which decoupling may change within coils.size_limit. With wish.overlap they are spread evenly
+// over the region (a centroidal Voronoi tessellation, or a hexagonal lattice of a given diameter), at equal geodesic
+// distances. Otherwise many ways to begin, evenly spread and hexagonal, are relaxed (array_relaxation.hpp), for a
+// fitted diameter at smaller and smaller sizes. Those without gaps are laid and decoupled exactly, from the first on
+// that is likely to couple by less than 0.01 rms: the result is the largest of three with neighbours below 0.01 and
+// others below unnulled_k, else the largest. With more than 32 loops it is the first of them. All of it takes some
+// seconds at most. Loops off the head are counted in off_head. The settings decouple and stretch_limit of `coils` have
+// no effect. Deterministic. Errors: unusable_surface (they do not fit), cancelled.
 Result<Array> lay_out_array(const ChartedSurface& charted, const LayoutSettings& wish,
                             const CoilSettings& coils, const Context& context);
 

@@ -44,9 +44,17 @@ double mutual_of_units(double ratio, double tilt) {
   return mutual_inductance_nh(circle_on(sphere, 0), circle_on(sphere, angle), gap);
 }
 
-// What weighs as much: a coupling, a move, a part outside. Couplings beyond a bound count by their sixth power, too.
+// What weighs as much: a coupling, a move, a part outside, a drift. Couplings beyond a bound count by their sixth power, too.
 constexpr double coupling_unit = 0.01, coupling_bound = 0.01, move_unit_mm = 100, outside_unit_mm = 0.3;
+constexpr double on_head_mm = 0.3;   // this much outside counts as on the head
+constexpr double drift_unit_mm = 1;  // of each circle
 constexpr double apart_weight = 0.35, overlapping_ratio = 0.88, apart_ratio = 1.08;
+
+Vector3d mean_of(const std::vector<Vector3d>& vectors) {
+  Vector3d sum = Vector3d::Zero();
+  for (const Vector3d& v : vectors) sum += v;
+  return sum / static_cast<double>(vectors.size());
+}
 
 double weight_of(double ratio) {
   return 1 + (apart_weight - 1) *
@@ -74,17 +82,25 @@ CircleCouplings::Coupling CircleCouplings::at(double ratio, double tilt, double 
   return {(near + (x - i) * (far - near)) / self, (far - near) / ratio_step / self};
 }
 
+bool Arrangement::is_whole() const {
+  const auto loops = static_cast<double>(centres.size());
+  return outside_mm <= on_head_mm &&
+         overlaps >= static_cast<int>(0.75 * (3 * loops - std::sqrt(12 * loops - 3)));
+}
+
 double Arrangement::score() const {
-  return std::max({overlapping / 0.0125, apart / 0.031, rms / 0.009, 1 + outside_mm - 0.3});
+  return std::max({overlapping / 0.0125, apart / 0.031, rms / 0.009, drift_mm / 8,
+                   outside_mm <= on_head_mm ? 0 : 1 + outside_mm});
 }
 
 const Arrangement& best_of(const std::vector<Arrangement>& arrangements) {
   constexpr double good = 1.35, as_well = 1.1;
   double least = std::numeric_limits<double>::infinity();
-  for (const Arrangement& one : arrangements) least = std::min(least, one.score());
+  for (const Arrangement& one : arrangements)
+    if (one.is_whole()) least = std::min(least, one.score());
   const auto rank = [&](const Arrangement& one) {
-    const bool counts = one.score() <= std::max(good, as_well * least);
-    return std::tuple(!counts, counts ? -one.overlaps : 0, one.score());
+    const bool counts = one.is_whole() && one.score() <= std::max(good, as_well * least);
+    return std::tuple(!counts, counts ? -one.overlaps : 0, !one.is_whole(), one.score());
   };
   return *std::min_element(arrangements.begin(), arrangements.end(),
                            [&](const Arrangement& a, const Arrangement& b) { return rank(a) < rank(b); });
@@ -101,6 +117,10 @@ struct Relaxation::State {
   std::vector<Pair> pairs;
   std::vector<double> outside;   // mm that a circle reaches beyond the border; negative: inside
   std::vector<Vector3d> inward;  // from the nearest place of the border
+  Middle about;
+
+  Vector3d along(const Vector3d& direction) const { return direction - about.up.dot(direction) * about.up; }
+  Vector3d drift() const { return along(mean_of(places) - about.place); }  // from the middle, along the head
 };
 
 Relaxation::Relaxation(const ChartedSurface& charted, const Half& half)
@@ -119,7 +139,8 @@ Relaxation::Relaxation(const ChartedSurface& charted, const Half& half)
 }
 
 Relaxation::State Relaxation::state(std::vector<Centre> centres, double radius_mm, double trace_mm) const {
-  State out{std::move(centres), radius_mm, trace_mm, {}, {}, {}, {}, {}};
+  State out;
+  out.centres = std::move(centres), out.radius_mm = radius_mm, out.trace_mm = trace_mm;
   const InkedSurface& surface = charted_->surface();
   for (const Centre& c : out.centres) {
     const Vector3d place = surface.place(c.point);
@@ -164,7 +185,8 @@ double Relaxation::cost(const State& state) const {
     if (const double mm = half_.outside_mm(place); mm > 0)
       sum += mm * mm / (outside_unit_mm * outside_unit_mm);
   for (const Centre& c : state.centres) sum += c.moved.squaredNorm() / (move_unit_mm * move_unit_mm);
-  return sum;
+  const auto count = static_cast<double>(state.centres.size());
+  return sum + count * state.drift().squaredNorm() / (drift_unit_mm * drift_unit_mm);
 }
 
 Relaxation::Normal Relaxation::linearised(const State& state) const {
@@ -190,6 +212,16 @@ Relaxation::Normal Relaxation::linearised(const State& state) const {
     out.A.block<2, 2>(2 * p.a, 2 * p.b) += stiffness * of_a * of_b.transpose();
     out.A.block<2, 2>(2 * p.b, 2 * p.a) += stiffness * of_b * of_a.transpose();
   }
+  // The drift's change with each move.
+  Eigen::Matrix3Xd drifts(3, size);
+  for (Index i = 0; i < size / 2; ++i) {
+    const Centre& c = state.centres[index(i)];
+    const Vector3d across = surface.normal(c.point.triangle).cross(c.axis);
+    drifts.col(2 * i) = state.along(c.axis), drifts.col(2 * i + 1) = state.along(across);
+  }
+  const double unit_drift = drift_unit_mm * drift_unit_mm, count = static_cast<double>(size / 2);
+  out.A += drifts.transpose() * drifts / (unit_drift * count);
+  out.b -= drifts.transpose() * state.drift() / unit_drift;
   for (int i = 0; i < size / 2; ++i) {
     const double unit = move_unit_mm * move_unit_mm;
     out.b.segment<2>(2 * i) -= state.centres[index(i)].moved / unit;
@@ -215,7 +247,9 @@ Relaxation::State Relaxation::moved(const State& from, const VectorXd& step) con
     if (by.norm() > longest_mm) by *= longest_mm / by.norm();
     move(charted_->surface(), centres[i], by);
   }
-  return state(std::move(centres), from.radius_mm, from.trace_mm);
+  State out = state(std::move(centres), from.radius_mm, from.trace_mm);
+  out.about = from.about;
+  return out;
 }
 
 Arrangement Relaxation::arrangement(State state) {
@@ -231,15 +265,23 @@ Arrangement Relaxation::arrangement(State state) {
   }
   out.rms = state.pairs.empty() ? 0 : std::sqrt(squares / static_cast<double>(state.pairs.size()));
   for (const double mm : state.outside) out.outside_mm = std::max(out.outside_mm, mm);
+  out.drift_mm = state.drift().norm();
   for (Centre& c : out.centres) c.moved.setZero();
   return out;
 }
 
-Arrangement Relaxation::relaxed(std::vector<Centre> centres, double radius_mm, double trace_mm) const {
+Middle Relaxation::middle_of(const std::vector<Centre>& centres, double radius_mm) const {
+  const State at = state(centres, radius_mm, 0);
+  return {mean_of(at.places), mean_of(at.normals).normalized()};
+}
+
+Arrangement Relaxation::relaxed(std::vector<Centre> centres, double radius_mm, double trace_mm,
+                                const Middle& about) const {
   constexpr int most_steps = 60;
   constexpr double most_damping = 1e5, least_gain = 2e-3;
   for (Centre& c : centres) c.moved.setZero();
   State now = state(std::move(centres), radius_mm, trace_mm);
+  now.about = about;
   double cost_now = cost(now), damping = 1e-2, gain = 1;
   for (int step = 0; step < most_steps && gain > least_gain; ++step) {
     const Normal normal = linearised(now);

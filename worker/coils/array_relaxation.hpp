@@ -31,12 +31,16 @@ struct Arrangement {
          rms = 0;         // the largest |k| of loops that overlap, of those that do not; of all pairs
   int overlaps = 0;       // pairs that overlap
   double outside_mm = 0;  // how far the worst one reaches beyond the chart's border
-  // 1 or less: overlapping loops below .0125, others below .031, rms below .009 and all on the head. Decoupling with sizes
-  // that may change (decoupling.hpp) leaves about three quarters of these.
+  double drift_mm = 0;    // of its middle
+  // Whether the loops leave no gaps, three of four pairs overlap of those that do in a hexagonal lattice, and all of them
+  // lie on the head.
+  bool is_whole() const;
+  // 1 or less: overlapping loops below .0125, others below .031, rms below .009, all on the head, and about its middle.
+  // Decoupling with sizes that may change (decoupling.hpp) leaves about three quarters of the couplings.
   double score() const;
 };
 
-// Of those that do about as well as the best, the one with the most overlaps: an array without gaps.
+// Of whole ones that do about as well as the best, the one with the most overlaps; without any, the best.
 const Arrangement& best_of(const std::vector<Arrangement>& arrangements);
 
 // A half of the chart by y, or all of it.
@@ -46,13 +50,20 @@ struct Half {
   double outside_mm(const Eigen::Vector3d& place) const { return side * (middle_y - place.y()); }
 };
 
+// About what an array lies: the mean of its centres, and of their normals.
+struct Middle {
+  Eigen::Vector3d place{0, 0, 0}, up{0, 0, 0};
+};
+
 // What does not change while circles move: samples of the chart's normals, and its border.
 class Relaxation {
  public:
   Relaxation(const ChartedSurface& charted, const Half& half);  // centres stay on the half
+  Middle middle_of(const std::vector<Centre>& centres, double radius_mm) const;
   // Moves the centres, by the Levenberg-Marquardt method, until their circles couple as little as they can near where
-  // they begin. Deterministic.
-  Arrangement relaxed(std::vector<Centre> centres, double radius_mm, double trace_mm) const;
+  // they begin, and lie about `about`: they would slide to where the head is flat. Deterministic.
+  Arrangement relaxed(std::vector<Centre> centres, double radius_mm, double trace_mm,
+                      const Middle& about) const;
 
  private:
   struct Sample {

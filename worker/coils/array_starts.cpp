@@ -117,6 +117,22 @@ Half ArrayStarts::half() const {
   return {(low + high) / 2, side};
 }
 
+double ArrayStarts::covered(const ElementLayout& layout) const {
+  const InkedSurface& surface = charted_.surface();
+  const Domain region = domain_within(0);
+  double area = 0;
+  for (std::size_t v = 0; v < region.vertices.size(); ++v) {
+    const Vector3d& place = surface.inked()[index(region.vertices[v])];
+    for (std::size_t i = 0; i < layout.centres.size(); ++i)
+      if ((surface.place(layout.centres[i].point) - place).norm() <=
+          layout.elements[i].size * layout.elements[i].outline.radius_mm) {
+        area += region.areas[v];
+        break;
+      }
+  }
+  return area / region.area;
+}
+
 ArrayStarts::Domain ArrayStarts::domain_within(double margin_mm) const {
   const Half part = half();
   Domain out;
@@ -236,14 +252,28 @@ Result<ElementLayout> ArrayStarts::equally_spread(double extra_mm, bool settle,
   return layout;
 }
 
-std::vector<Centre> ArrayStarts::drawn_together(const ElementLayout& layout, double share) const {
-  std::vector<Vector2d> places;
-  Vector2d middle = Vector2d::Zero();
-  for (const Centre& c : layout.centres) {
-    places.push_back(charted_.on_chart(c.point.triangle) ? charted_.chart(c.point) : c.drawn);
-    middle += places.back() / static_cast<double>(layout.centres.size());
+Vector2d ArrayStarts::middle(const ElementLayout& layout) const {
+  const InkedSurface& surface = charted_.surface();
+  std::vector<Vector3d> places;
+  for (const Centre& c : layout.centres) places.push_back(surface.place(c.point));
+  double least = std::numeric_limits<double>::infinity();
+  Vector2d out = Vector2d::Zero();
+  for (const int v : domain_within(0).vertices) {
+    double farthest = 0;
+    for (const Vector3d& place : places)
+      farthest = std::max(farthest, (place - surface.inked()[index(v)]).squaredNorm());
+    if (farthest < least) least = farthest, out = charted_.flattening().chart[index(v)];
   }
-  for (Vector2d& place : places) place = middle + share * (place - middle);
+  return out;
+}
+
+std::vector<Centre> ArrayStarts::drawn_together(const ElementLayout& layout, const Vector2d& middle,
+                                                double share) const {
+  std::vector<Vector2d> places;
+  for (const Centre& c : layout.centres) {
+    const Vector2d place = charted_.on_chart(c.point.triangle) ? charted_.chart(c.point) : c.drawn;
+    places.push_back(middle + share * (place - middle));
+  }
   return centres_at(charted_, places);
 }
 

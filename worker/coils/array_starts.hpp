@@ -19,14 +19,19 @@ class ArrayStarts {
   ArrayStarts(const ChartedSurface& charted, const LayoutSettings& wish);
   // The part of the chart that the wish's region is.
   Half half() const;
+  // The share of that region's area that lies within a loop.
+  double covered(const ElementLayout& layout) const;
   // Loops of one size, evenly spread (a centroidal Voronoi tessellation that begins with a lattice turned by `turn`, and
   // settles if asked to), `extra_mm` farther from the border than they need. Errors: unusable_surface (they do not fit),
   // cancelled.
   Result<ElementLayout> spread(double extra_mm, bool settle, double turn, const Context& context) const;
   // The same with equal distances of neighbours.
   Result<ElementLayout> equally_spread(double extra_mm, bool settle, const Context& context) const;
-  // The layout's centres, nearer to their middle.
-  std::vector<Centre> drawn_together(const ElementLayout& layout, double share) const;
+  // Of loops that are spread over the region, the place on the chart from which the farthest one is nearest.
+  Eigen::Vector2d middle(const ElementLayout& layout) const;
+  // The layout's centres, nearer to `middle`.
+  std::vector<Centre> drawn_together(const ElementLayout& layout, const Eigen::Vector2d& middle,
+                                     double share) const;
   // The nodes of a hexagonal lattice that are nearest to `middle`: on a node of it, or the middle of an edge or a triangle
   // (kind 0, 1, 2).
   std::vector<Centre> hexagons(const Eigen::Vector2d& middle, double spacing, double turn, int kind) const;

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "worker/coils/inductance.hpp"
-#include "worker/stage/parallel.hpp"
+#include "worker/stage/batches.hpp"
 
 namespace vacuform {
 
@@ -45,29 +45,23 @@ CouplingMatrix::CouplingMatrix(int count)
       k_(static_cast<std::size_t>(count) * static_cast<std::size_t>(count),
          std::numeric_limits<double>::quiet_NaN()) {}
 
-Result<CouplingMatrix> coupling_matrix(const std::vector<InductiveLoop>& loops, Stage stage, double fraction,
-                                       const Context& context) {
+Result<CouplingMatrix> coupling_matrix(const std::vector<InductiveLoop>& loops, const Context& context) {
   const int count = static_cast<int>(loops.size());
   const auto loop = [&](int i) -> const InductiveLoop& { return loops[i]; };
   const auto couples = [&](int i) { return !loop(i).line.empty() && loop(i).self_nh > 0; };
   std::vector<Dipole> dipoles;
   for (const InductiveLoop& one : loops) dipoles.push_back(dipole_of(one.line));
   CouplingMatrix out(count);
-  constexpr int batch = 8;  // rows, so that a cancel is heard
-  for (int begin = 0; begin < count; begin += batch) {
-    VACUFORM_CHECK(context.step(stage, fraction));
-    in_parallel(begin, std::min(begin + batch, count), [&](int first, int last) {
-      for (int a = first; a < last; ++a) {
-        if (!couples(a)) continue;
-        out.set(a, a, 1);
-        for (int b = 0; b < a; ++b)
-          if (couples(b))
-            out.set(a, b,
-                    mutual_nh(loop(a), dipoles[a], loop(b), dipoles[b]) /
-                        std::sqrt(loop(a).self_nh * loop(b).self_nh));
-      }
-    });
-  }
+  VACUFORM_CHECK(in_batches(loops.size(), 8, Stage::printing, context.silent(), [&](std::size_t row) {
+    const int a = static_cast<int>(row);
+    if (!couples(a)) return;
+    out.set(a, a, 1);
+    for (int b = 0; b < a; ++b)
+      if (couples(b))
+        out.set(a, b,
+                mutual_nh(loop(a), dipoles[row], loop(b), dipoles[index(b)]) /
+                    std::sqrt(loop(a).self_nh * loop(b).self_nh));
+  }));
   return out;
 }
 

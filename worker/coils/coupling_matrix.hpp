@@ -46,10 +46,9 @@ inline constexpr double dipole_distance = 10;
 
 // Neumann's integral for near pairs. Far ones (dipole_distance) are dipoles, M = mu0 / (4 pi) [3 (A.r)(B.r) / r^5 - A.B
 // / r^3] with the vector areas A and B of the loops; the error in k is less than 3e-5. With two cores 64 loops of 120
-// points on a head take a second, 256 of them seven. `fraction` is the progress that the stage reports meanwhile.
-// Deterministic for any number of threads. Errors: cancelled.
-Result<CouplingMatrix> coupling_matrix(const std::vector<InductiveLoop>& loops, Stage stage, double fraction,
-                                       const Context& context);
+// points on a head take a second, 256 of them seven. Reports no progress. Deterministic for any number of threads. Errors:
+// cancelled.
+Result<CouplingMatrix> coupling_matrix(const std::vector<InductiveLoop>& loops, const Context& context);
 
 // The pair with the strongest coupling among some pairs of an array.
 struct StrongestPair {

@@ -35,7 +35,7 @@ Result<CouplingMatrix> coupling_matrix(const std::vector<LaidCoil>& coils, const
   if (coils.size() > most_coupled_coils) return CouplingMatrix();
   std::vector<InductiveLoop> loops;
   for (const LaidCoil& coil : coils) loops.push_back({coil.element.loop, coil.self_nh});
-  return coupling_matrix(loops, Stage::printing, 0, context);
+  return coupling_matrix(loops, context);
 }
 
 }  // namespace vacuform

@@ -107,7 +107,7 @@ Result<CouplingMatrix> couplings(const CoilTable& table, const FormedLoops& form
   for (std::size_t i = 0; i < loops.size(); ++i)
     if (const auto& figures = table.coils[i][way]; figures && figures->inductance_nh)
       loops[i] = {conductor(*formed.loops[i]), *figures->inductance_nh};
-  return coupling_matrix(loops, Stage::inspection, 1, context);
+  return coupling_matrix(loops, context);
 }
 
 Coil coil_row(const CoilLoops& coil, const Both<FormedLoops>& formed, std::size_t i) {

@@ -35,6 +35,7 @@ LayoutJson layout_json(const Inputs& inputs, const Array& array) {
           {"spacing_rms_mm", rounded(array.spacing_rms_mm, 3)},
           {"pairs", array.pairs},
           {"off_head", array.off_head},
+          {"covered", rounded(array.covered, 3)},
           {"k_rms", rounded(array.k_rms, 5)},
           {"strongest_neighbours", pair_json(array.strongest_neighbours, array)},
           {"strongest", pair_json(array.strongest, array)},

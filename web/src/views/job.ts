@@ -22,7 +22,7 @@ import {announce, setJobs, store} from '../state';
 import {fieldOf, staleJob} from '../state/draft';
 import {settingsOf, type Report, type Setting, type Warning} from '../state/jobs';
 import type {PrintReport} from '../state/result';
-import {bytes, duration, number, t, textIfKnown, when} from '../text';
+import {bytes, duration, number, percent, t, textIfKnown, when} from '../text';
 import {follow, live, onEnd, View} from '../view';
 import {ResultView} from './result';
 import {failureView} from './result/failure';
@@ -46,6 +46,7 @@ interface Layout {
   spacing_mm: number;
   spacing_rms_mm: number;
   off_head: number;
+  covered: number;
   strongest_neighbours: Coupled | null;
   strongest: Coupled | null;
   warnings: readonly Warning[];
@@ -287,6 +288,7 @@ class JobView extends View {
           [t('job.spacing'), mm(made.spacing_mm)],
           [t('job.spacing_rms'), mm(made.spacing_rms_mm)],
           [t('job.off_head'), number(made.off_head)],
+          [t('job.covered'), percent(made.covered)],
           [t('job.strongest_neighbours'), pair(made.strongest_neighbours)],
           [t('job.strongest'), pair(made.strongest)]),
           el('p', null, el('a', {class: 'button primary', href: toNew(`from=${job.id}`)}, icon('pattern'), t('job.use_pattern'))))),

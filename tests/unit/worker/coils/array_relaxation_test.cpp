@@ -60,7 +60,9 @@ TEST(CircleCouplings, AreNeumannsForFlatAndTiltedCircles) {
 TEST(Relaxation, BringsSevenFlatCirclesToTheirCriticalDistance) {
   const Sample x = hand_made::flat(200, 80);
   const hand_made::Charted charted(x);
-  const Arrangement out = Relaxation(charted, Half()).relaxed(centres_at(charted, flower(33, 2)), 20, 3);
+  const auto begin = centres_at(charted, flower(33, 2));
+  const Relaxation relaxation(charted, Half());
+  const Arrangement out = relaxation.relaxed(begin, 20, 3, relaxation.middle_of(begin, 20));
   for (int i = 1; i < 7; ++i) {
     const Vector3d middle = static_cast<const ChartedSurface&>(charted).surface().place(out.centres[0].point);
     const Vector3d place = static_cast<const ChartedSurface&>(charted).surface().place(
@@ -78,10 +80,29 @@ TEST(Relaxation, KeepsCirclesOnTheChartAndOnTheirHalf) {
   std::vector<Vector2d> places = flower(30, 0);
   for (Vector2d& place : places) place += Vector2d(15, 34);
   const Relaxation all(charted, Half()), front(charted, Half{0, 1});
-  const Arrangement anywhere = all.relaxed(centres_at(charted, places), 18, 3);
+  const auto begin = centres_at(charted, places);
+  std::vector<Vector2d> inside = flower(30, 0);
+  for (Vector2d& place : inside) place += Vector2d(0, 12);
+  const Middle about = all.middle_of(centres_at(charted, inside), 18);
+  const Arrangement anywhere = all.relaxed(begin, 18, 3, about);
   EXPECT_LT(anywhere.outside_mm, 0.3);
-  for (const Centre& c : front.relaxed(centres_at(charted, places), 12, 3).centres)
+  for (const Centre& c : front.relaxed(begin, 12, 3, about).centres)
     EXPECT_GT(static_cast<const ChartedSurface&>(charted).surface().place(c.point).y(), -0.5);
+}
+
+TEST(Relaxation, KeepsTheArrayAboutItsMiddle) {
+  const Sample x = hand_made::sphere(80, 260, 90, 60);
+  const hand_made::Charted charted(x);
+  const Relaxation relaxation(charted, Half());
+  std::vector<Vector2d> aside = flower(30, 1);
+  for (Vector2d& place : aside) place += Vector2d(12, -7);
+  const Middle about = relaxation.middle_of(centres_at(charted, flower(30, 0)), 18);
+  const Arrangement out = relaxation.relaxed(centres_at(charted, aside), 18, 3, about);
+  const Vector3d middle = relaxation.middle_of(out.centres, 18).place;
+  EXPECT_LT((middle - about.place).head<2>().norm(), 1);
+  EXPECT_NEAR(out.drift_mm, (middle - about.place).head<2>().norm(), 0.05);
+  EXPECT_TRUE(out.is_whole());
+  EXPECT_LT(out.overlapping, 0.012);
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ std::vector<InductiveLoop> critical_hexagon() {
 }
 
 TEST(CouplingMatrix, ShowsPairsBeyondTheNeighboursInACriticalHexagon) {
-  const auto k = coupling_matrix(critical_hexagon(), Stage::inspection, 0, Context());
+  const auto k = coupling_matrix(critical_hexagon(), Context());
   ASSERT_TRUE(k);
   ASSERT_EQ(k->count(), 7);
   for (int i = 1; i <= 6; ++i) {
@@ -75,7 +75,7 @@ TEST(CouplingMatrix, MatchesNeumannsIntegralWithin3e5ForFarLoops) {
                            circle({0, far, 0}, radius, Vector3d::UnitY()), circle({far, 0, 0}, radius / 4)}) {
     for (const Points& one : {at_origin, rectangle}) {
       const std::vector<InductiveLoop> both{loop(one, 2), loop(other, 2)};
-      const auto k = coupling_matrix(both, Stage::inspection, 0, Context());
+      const auto k = coupling_matrix(both, Context());
       ASSERT_TRUE(k);
       const double exact = mutual_inductance_nh(one, other) / std::sqrt(both[0].self_nh * both[1].self_nh);
       EXPECT_NE((*k)(0, 1), exact);  // by dipoles
@@ -83,7 +83,7 @@ TEST(CouplingMatrix, MatchesNeumannsIntegralWithin3e5ForFarLoops) {
     }
   }
   const std::vector<InductiveLoop> near{loop(at_origin, 2), loop(circle({0.99 * far, 0, 0}, radius), 2)};
-  EXPECT_EQ((*coupling_matrix(near, Stage::inspection, 0, Context()))(1, 0),
+  EXPECT_EQ((*coupling_matrix(near, Context()))(1, 0),
             mutual_inductance_nh(near[1].line, near[0].line) / std::sqrt(near[0].self_nh * near[1].self_nh));
 }
 
@@ -91,7 +91,7 @@ TEST(CouplingMatrix, LeavesOutWhatHasNoInductanceAndCanBeCancelled) {
   std::vector<InductiveLoop> loops = critical_hexagon();
   loops[2].line.clear();
   loops[3].self_nh = 0;
-  const auto k = coupling_matrix(loops, Stage::inspection, 0, Context());
+  const auto k = coupling_matrix(loops, Context());
   ASSERT_TRUE(k);
   for (const int none : {2, 3})
     for (int i = 0; i < 7; ++i) EXPECT_TRUE(std::isnan((*k)(i, none)));
@@ -99,7 +99,7 @@ TEST(CouplingMatrix, LeavesOutWhatHasNoInductanceAndCanBeCancelled) {
   EXPECT_FALSE(strongest_pair(CouplingMatrix(), [](int) { return true; }));
   Context context;
   context.cancel();
-  const auto cancelled = coupling_matrix(loops, Stage::inspection, 0, context);
+  const auto cancelled = coupling_matrix(loops, context);
   ASSERT_FALSE(cancelled);
   EXPECT_EQ(cancelled.error().code, Code::cancelled);
 }
