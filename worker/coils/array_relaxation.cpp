@@ -219,7 +219,7 @@ Relaxation::Normal Relaxation::linearised(const State& state) const {
     const Vector3d across = surface.normal(c.point.triangle).cross(c.axis);
     drifts.col(2 * i) = state.along(c.axis), drifts.col(2 * i + 1) = state.along(across);
   }
-  const double unit_drift = drift_unit_mm * drift_unit_mm, count = static_cast<double>(size / 2);
+  const double unit_drift = drift_unit_mm * drift_unit_mm, count = static_cast<double>(size) / 2;
   out.A += drifts.transpose() * drifts / (unit_drift * count);
   out.b -= drifts.transpose() * state.drift() / unit_drift;
   for (int i = 0; i < size / 2; ++i) {
