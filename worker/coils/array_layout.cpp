@@ -197,7 +197,8 @@ Result<Trial> decoupled(const ChartedSurface& charted, const LayoutSettings& wis
   const SubProgress first(context, {Stage::printing, 0, 0.5}), second(context, {Stage::printing, 0.5, 1});
   VACUFORM_TRY(found, arrangements(charted, wish, first.context()));
   std::optional<Trial> best;
-  std::pair<int, bool> least;  // loops off the head, whether all couple by more than they could
+  std::pair<int, bool>
+      least;  // loops off the head; whether the rms of k stays above little_k though less was likely
   for (const Arrangement& arrangement : worth_decoupling(std::move(found))) {
     const bool likely = arrangement.rms <= likely_rms;
     VACUFORM_TRY(trial, laid_out(charted, arrangement, coils, second.context()));

@@ -33,7 +33,7 @@ struct Array {
 // distances. Otherwise many ways to begin, evenly spread and hexagonal, are relaxed (array_relaxation.hpp), for a
 // fitted diameter at smaller and smaller sizes. Those without gaps are laid and decoupled exactly, from the first on
 // that is likely to couple by less than 0.01 rms: the result is the largest of three with neighbours below 0.01 and
-// others below unnulled_k, else the largest. With more than 32 loops it is the first of them. All of it takes some
+// others below unnulled_k, else the largest that couples so. With more than 32 loops it is the first of them. All of it takes some
 // seconds at most. Loops off the head are counted in off_head. The settings decouple and stretch_limit of `coils` have
 // no effect. Deterministic. Errors: unusable_surface (they do not fit), cancelled.
 Result<Array> lay_out_array(const ChartedSurface& charted, const LayoutSettings& wish,
