@@ -83,11 +83,12 @@ Identity identity_of(const Inputs& inputs) {
 }
 
 // Of a drawing; the colours of a scan are compared with the scan.
-LengthErrors lengths_of(const LaidPattern& laid, const PatternSettings& settings,
+LengthErrors lengths_of(const LaidPattern& laid, const VectorPrint* vectors, const PatternSettings& settings,
                         std::vector<Warning>& warnings) {
   if (settings.source == PatternSource::scan) return {};
   const Drawing* const lines = laid.placed();
-  LengthErrors lengths = length_errors(lines, laid.pattern, laid.placement, settings.scale);
+  LengthErrors lengths = length_errors(lines, laid.pattern, laid.placement,
+                                       vectors ? vectors->tied : std::vector<TiedPoints>(), settings.scale);
   if (auto off = length_warning(lengths, lines, settings.length_limit)) warnings.push_back(std::move(*off));
   return lengths;
 }
@@ -135,7 +136,7 @@ Result<std::vector<Artifact>> run_stages(const Inputs& inputs, const Use& use, c
                .placement = laid.placement,
                .print = print,
                .placed = laid.placed(),
-               .lengths = lengths_of(laid, s.pattern, print.warnings),
+               .lengths = lengths_of(laid, print.top().source->vectors(), s.pattern, print.warnings),
                .heat = formed.heat,
                .alignment = laid.alignment,
                .label = identity.label};

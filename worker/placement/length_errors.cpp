@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <set>
@@ -21,11 +22,14 @@ using Eigen::Vector3d;
 constexpr double piece_mm = 10, step_mm = 1, square_mm_side = 5;
 constexpr double far_off = 0.1;
 
-// Where patches map the pattern to, the first that holds a point.
+// Where patches map points of the pattern or of the flat sheet to, the first that holds a point.
 class Domains {
  public:
-  void add(const Patch& patch) {
-    domains_.push_back({&patch, std::make_unique<PlaneLocator>(patch.triangles, patch.uv)});
+  enum class By { pattern, sheet };
+
+  void add(const Patch& patch, By by = By::pattern) {
+    domains_.push_back(
+        {&patch, std::make_unique<PlaneLocator>(patch.triangles, by == By::pattern ? patch.uv : patch.rest)});
   }
 
   struct Found {
@@ -33,9 +37,9 @@ class Domains {
     const Patch* patch;
     int triangle;
   };
-  std::optional<Found> find(const Vector2d& uv) const {
+  std::optional<Found> find(const Vector2d& point) const {
     for (const Domain& domain : domains_)
-      if (const auto at = domain.locator->find(uv))
+      if (const auto at = domain.locator->find(point))
         return Found{interpolate(domain.patch->triangles, *at, domain.patch->inked), domain.patch,
                      at->triangle};
     return std::nullopt;
@@ -66,36 +70,60 @@ double angle_error(const Domains::Found& at) {
   return both > 0 ? 2 * std::atan(apart / both) * 180 / M_PI : 0;
 }
 
-void add_line(const std::vector<Vector2d>& line, const Domains& domains, double size, int element,
-              std::vector<LengthErrors::Piece>& out) {
-  double drawn = 0, formed = 0, angle = 0;
-  std::optional<Domains::Found> before, middle;
-  const auto finish = [&] {
-    if (drawn > 0.5 * step_mm && middle)
-      out.push_back({formed / drawn - 1, angle / drawn, drawn, element, middle->place});
-    drawn = formed = angle = 0;
-    middle.reset();
-  };
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const auto at = domains.find(line[i]);
-    const bool joined = at && before && at->patch == before->patch;
-    if (!joined) {
-      finish();
-    } else {
-      const double mm = size * (line[i] - line[i - 1]).norm();
-      drawn += mm;
-      formed += (at->place - before->place).norm();
-      angle += mm * angle_error(*at);
-      if (!middle || drawn <= piece_mm / 2) middle = at;
-      if (drawn >= piece_mm) finish();
+// Measures lines piece by piece.
+class Pieces {
+ public:
+  // `size` formed millimetres for one that is drawn.
+  void measure(const std::vector<Vector2d>& drawn, const std::vector<Vector2d>& laid, const Domains& domains,
+               double size, int element) {
+    std::optional<Domains::Found> before;
+    for (std::size_t i = 0; i < drawn.size(); ++i) {
+      const auto at = domains.find(laid[i]);
+      const bool joined = at && before && at->patch == before->patch;
+      if (joined) add(size * (drawn[i] - drawn[i - 1]).norm(), (at->place - before->place).norm(), *at);
+      if (!joined || drawn_ >= piece_mm) finish(element);
+      before = at;
     }
-    before = at;
+    finish(element);
   }
-  finish();
+
+  std::vector<LengthErrors::Piece> found;
+
+ private:
+  void add(double drawn_mm, double formed_mm, const Domains::Found& at) {
+    drawn_ += drawn_mm;
+    formed_ += formed_mm;
+    angle_ += drawn_mm * angle_error(at);
+    if (!middle_ || drawn_ <= piece_mm / 2) middle_ = at.place;
+  }
+
+  void finish(int element) {
+    if (drawn_ > 0.5 * step_mm && middle_)
+      found.push_back({formed_ / drawn_ - 1, angle_ / drawn_, drawn_, element, *middle_});
+    drawn_ = formed_ = angle_ = 0;
+    middle_.reset();
+  }
+
+  double drawn_ = 0, formed_ = 0, angle_ = 0;
+  std::optional<Vector3d> middle_;
+};
+
+std::vector<Vector2d> points_of(const Curve& curve) {
+  std::vector<Vector2d> line;
+  for (const CurvePoint& p : flatten(curve, {.tolerance_mm = 0.02, .turn = 0.2, .longest_mm = step_mm}))
+    line.push_back(p.at);
+  return line;
 }
 
-void add_lines(const Drawing& drawing, const Domains& charts, const Placement& placement, double scale,
-               std::vector<LengthErrors::Piece>& out) {
+void add_lines(const Drawing& drawing, const Placement& placement, const std::vector<TiedPoints>& tied,
+               double scale, const Domains& charts, Pieces& out) {
+  Domains sheet;
+  for (const Segment& chart : placement.charts) sheet.add(chart.patch, Domains::By::sheet);
+  std::set<std::array<std::size_t, 3>> measured;
+  for (const TiedPoints& line : tied) {
+    out.measure(line.drawn, line.rest, sheet, scale, static_cast<int>(line.element));
+    measured.insert({line.element, line.shape, line.curve});
+  }
   for (std::size_t e = 0; e < drawing.elements.size(); ++e) {
     const Element& element = drawing.elements[e];
     const auto placed =
@@ -105,19 +133,17 @@ void add_lines(const Drawing& drawing, const Domains& charts, const Placement& p
     if (!own && !placement.elements.empty() && !element.id.empty()) continue;  // it is not printed
     Domains of_element;
     if (own) of_element.add(placed->patch);
-    for (const Shape& shape : element.shapes)
-      for (const Curve& curve : shape.curves) {
-        std::vector<Vector2d> line;
-        for (const CurvePoint& p : flatten(curve, {.tolerance_mm = 0.02, .turn = 0.2, .longest_mm = step_mm}))
-          line.push_back(p.at);
-        add_line(line, own ? of_element : charts, own ? placed->size : scale, static_cast<int>(e), out);
+    for (std::size_t s = 0; s < element.shapes.size(); ++s)
+      for (std::size_t c = 0; c < element.shapes[s].curves.size(); ++c) {
+        if (measured.contains({e, s, c})) continue;
+        const std::vector<Vector2d> line = points_of(element.shapes[s].curves[c]);
+        out.measure(line, line, own ? of_element : charts, own ? placed->size : scale, static_cast<int>(e));
       }
   }
 }
 
 // Squares with ink, along u and v.
-void add_squares(const Pattern& pattern, const Domains& charts, double scale,
-                 std::vector<LengthErrors::Piece>& out) {
+void add_squares(const Pattern& pattern, const Domains& charts, double scale, Pieces& out) {
   constexpr double least_ink = 0.02;
   const Vector2d half = pattern.size_mm() / 2;
   const double side = std::max(square_mm_side, std::sqrt(pattern.size_mm().prod() / 1e5));
@@ -125,22 +151,26 @@ void add_squares(const Pattern& pattern, const Domains& charts, double scale,
     for (double u = -half.x() + side / 2; u < half.x(); u += side) {
       const Vector2d at(u, v);
       if (pattern.sample(at, side).coverage() < least_ink) continue;
-      for (const Vector2d& way : {Vector2d(side / 2, 0), Vector2d(0, side / 2)})
-        add_line({at - way, at - way / 2, at, at + way / 2, at + way}, charts, scale, -1, out);
+      for (const Vector2d& way : {Vector2d(side / 2, 0), Vector2d(0, side / 2)}) {
+        const std::vector<Vector2d> line = {at - way, at - way / 2, at, at + way / 2, at + way};
+        out.measure(line, line, charts, scale, -1);
+      }
     }
 }
 
 }  // namespace
 
 LengthErrors length_errors(const Drawing* drawing, const Pattern& pattern, const Placement& placement,
-                           double scale) {
+                           const std::vector<TiedPoints>& tied, double scale) {
   Domains charts;
   for (const Segment& chart : placement.charts) charts.add(chart.patch);
-  LengthErrors out;
+  Pieces pieces;
   if (drawing)
-    add_lines(*drawing, charts, placement, scale, out.pieces);
+    add_lines(*drawing, placement, tied, scale, charts, pieces);
   else
-    add_squares(pattern, charts, scale, out.pieces);
+    add_squares(pattern, charts, scale, pieces);
+  LengthErrors out;
+  out.pieces = std::move(pieces.found);
   if (out.pieces.empty()) return out;
   std::stable_sort(out.pieces.begin(), out.pieces.end(),
                    [](const auto& a, const auto& b) { return std::abs(a.error) > std::abs(b.error); });

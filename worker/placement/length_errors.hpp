@@ -9,6 +9,12 @@
 
 namespace vacuform {
 
+// A line in no element that the print does not lay by the chart alone: its points as they are drawn, and where they lie.
+struct TiedPoints {
+  std::size_t element, shape, curve;         // Drawing::elements, Element::shapes, Shape::curves
+  std::vector<Eigen::Vector2d> drawn, rest;  // parallel: pattern and sheet coordinates, mm
+};
+
 struct LengthErrors {
   // Of pieces of lines of at most 10 mm, or of both directions on squares of 5 mm: formed length over drawn length, less
   // 1, with its sign; what the drawing is scaled or a coil is resized by is not an error.
@@ -24,10 +30,11 @@ struct LengthErrors {
   double worst_angle_deg = 0;
 };
 
-// Along the outlines and lines of `drawing`, or, without one, over the ink of `pattern` as it lies on the charts. `scale`
-// is pattern.scale. What lies off its patch is left out. Deterministic; O(length of the lines).
+// Along the outlines and lines of `drawing`, or, without one, over the ink of `pattern` as it lies on the charts. `tied`
+// says where lines lie that elements tie (VectorPrint::tied). `scale` is pattern.scale. What lies off its patch is left
+// out. Deterministic; O(length of the lines).
 LengthErrors length_errors(const Drawing* drawing, const Pattern& pattern, const Placement& placement,
-                           double scale);
+                           const std::vector<TiedPoints>& tied, double scale);
 
 // "length-off" above the limit and "length-far-off" above 10 %, with the places; nothing if all are below.
 std::optional<Warning> length_warning(const LengthErrors& errors, const Drawing* drawing, double limit);

@@ -149,9 +149,10 @@ std::vector<CurvePoint> closed_points(const std::vector<Vector2d>& line) {
 // One shape to be pulled back, and the result.
 struct PulledShape {
   const Shape* shape;
-  std::size_t element;  // index into Drawing::elements
+  std::size_t element, number;  // Drawing::elements, Element::shapes
   std::vector<PaintedArea> areas;
   std::vector<Centreline> centrelines;
+  std::vector<TiedPoints> tied;
   double painted = 0, lost = 0;
 };
 
@@ -220,8 +221,8 @@ class PullBack {
     Stroke stroke = *shape.stroke;
     if (own) resize(stroke, scale_ / placed->second.size);
     std::vector<Curve> plain;
-    for (const Curve& curve : shape.curves)
-      if (!id.empty() || !elements_placed_ || !tied(curve, stroke, pulled)) plain.push_back(curve);
+    for (std::size_t c = 0; c < shape.curves.size(); ++c)
+      if (!id.empty() || !elements_placed_ || !tied(c, stroke, pulled)) plain.push_back(shape.curves[c]);
     if (plain.empty()) return;
     paint(stroke_area(plain, stroke, polygon_tolerance), stroke.colour, domains, pulled);
     if (!(ink(stroke.colour) > 0)) return;
@@ -300,8 +301,9 @@ class PullBack {
     return out;
   }
 
-  // Lays the curve as a tied line; false where neither end touches an element.
-  bool tied(const Curve& curve, const Stroke& stroke, PulledShape& pulled) const {
+  // Lays a curve of the shape as a tied line; false where neither end touches an element.
+  bool tied(std::size_t number, const Stroke& stroke, PulledShape& pulled) const {
+    const Curve& curve = pulled.shape->curves[number];
     if (curve.closed || curve.points.empty()) return false;
     const PatchMap *start = touched(curve.points.front(), widest_mm(stroke) / 2),
                    *end = touched(curve.points.back(), widest_mm(stroke) / 2);
@@ -313,6 +315,13 @@ class PullBack {
     const Domain domain{[&](const Vector2d& uv) { return line.rest_at(uv); }, &chart};
     paint(stroke_area({curve}, stroke, polygon_tolerance), stroke.colour, {domain}, pulled);
     if (ink(stroke.colour) > 0) centre(points, false, domain.rest_at, pulled);
+    TiedPoints& out = pulled.tied.emplace_back(TiedPoints{pulled.element, pulled.number, number, {}, {}});
+    for (const CurvePoint& p : points) {
+      const auto rest = line.rest_at(p.at);
+      if (!rest) continue;
+      out.drawn.push_back(p.at);
+      out.rest.push_back(*rest);
+    }
     return true;
   }
 
@@ -338,9 +347,9 @@ Result<VectorPrint> pull_back(const Drawing& drawing, const Placement& placement
   for (std::size_t e = 0; e < drawing.elements.size(); ++e) {
     const Element& element = drawing.elements[e];
     out.elements.push_back({element.id, {}, {}, {}});
-    for (const Shape& shape : element.shapes) {
-      all.push_back({&shape, e, {}, {}, 0, 0});
-      loose |= element.id.empty() && shape.stroke;
+    for (std::size_t i = 0; i < element.shapes.size(); ++i) {
+      all.push_back({&element.shapes[i], e, i, {}, {}, {}, 0, 0});
+      loose |= element.id.empty() && element.shapes[i].stroke;
     }
   }
   if (loose && pulling.elements_placed()) pulling.look_for_ties();
@@ -359,6 +368,7 @@ Result<VectorPrint> pull_back(const Drawing& drawing, const Placement& placement
     PrintedElement& element = out.elements[pulled.element];
     for (PaintedArea& area : pulled.areas) element.areas.push_back(std::move(area));
     for (Centreline& line : pulled.centrelines) element.centrelines.push_back(std::move(line));
+    for (TiedPoints& line : pulled.tied) out.tied.push_back(std::move(line));
     out.painted_mm2 += pulled.painted;
     out.lost_mm2 += pulled.lost;
   }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "worker/placement/length_errors.hpp"
 #include "worker/placement/placement.hpp"
 
 namespace vacuform {
@@ -37,6 +38,7 @@ struct VectorPrint {
       elements;  // in the order of painting; elements entirely off their patch have no areas
   // Areas in pattern coordinates, each by the coverage of its ink (white: nothing): all, and those off the patches.
   double painted_mm2 = 0, lost_mm2 = 0;
+  std::vector<TiedPoints> tied;  // see below
 };
 
 // Strokes become areas in the pattern, with their caps, joins and dashes, and the areas are pulled back, so that every

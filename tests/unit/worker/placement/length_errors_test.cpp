@@ -21,7 +21,7 @@ Laid laid(const Sample& x, const Drawing& drawing, const Settings& settings = {}
   auto placed = place(hand_made::Charted(x), &drawing, settings, Context());
   if (!placed) throw std::runtime_error(placed.error().text());
   const Pattern none = Pattern::of_picture({1, 1}, {0, 0, 0, 0}, {1, 1}, "none");
-  LengthErrors errors = length_errors(&drawing, none, *placed, settings.pattern.scale);
+  LengthErrors errors = length_errors(&drawing, none, *placed, {}, settings.pattern.scale);
   return {std::move(*placed), std::move(errors)};
 }
 
@@ -81,10 +81,32 @@ TEST(LengthErrors, OfAPictureAreThoseOfItsInk) {
   for (std::size_t j = 70; j < 90; ++j)
     for (std::size_t i = 125; i < 135; ++i) pixels[4 * (160 * j + i) + 3] = 255;
   const Pattern picture = Pattern::of_picture({160, 160}, std::move(pixels), {160, 160}, "made");
-  const auto errors = length_errors(nullptr, picture, *placed, 1);
+  const auto errors = length_errors(nullptr, picture, *placed, {}, 1);
   ASSERT_FALSE(errors.pieces.empty());
   EXPECT_NEAR(errors.worst, 1 - radius * std::sin(57.5 / radius) / 57.5, 0.01);
   EXPECT_EQ(length_warning(errors, nullptr, 0.02)->code, "length-off");
+}
+
+// A line that two coils pull to 22 mm: the print counts, not the chart.
+TEST(LengthErrors, OfTiedLinesAreThoseOfThePrint) {
+  const Sample x = hand_made::sphere(radius, 240, 120);
+  Settings on_chart;
+  on_chart.pattern.placement = PatternPlacement::chart;
+  Shape shape;
+  shape.curves = {Curve{{{0, 0}, {6, 0}, {14, 0}, {20, 0}}, false}};
+  shape.stroke = Stroke{};
+  const Drawing drawing = of({{"", {0, 0}, {shape}, {}, {}}});
+  const auto placed = place(hand_made::Charted(x), &drawing, on_chart, Context());
+  ASSERT_TRUE(placed);
+  TiedPoints tied{0, 0, 0, {}, {}};
+  for (int i = 0; i <= 40; ++i) {
+    tied.drawn.emplace_back(0.5 * i, 0);
+    tied.rest.emplace_back(0.55 * i, 0);
+  }
+  const Pattern none = Pattern::of_picture({1, 1}, {0, 0, 0, 0}, {1, 1}, "none");
+  const auto errors = length_errors(&drawing, none, *placed, {tied}, 1);
+  ASSERT_EQ(errors.pieces.size(), 2u);
+  for (const auto& piece : errors.pieces) EXPECT_NEAR(piece.error, 0.1, 0.002);
 }
 
 const ChartedSurface& surface_of(const ChartedSurface& charted) { return charted; }
