@@ -1,5 +1,6 @@
-"""Random drawings of loops as people make them: with and without ids, as shapes and paths, nested, in chains, with pads, leads
-and layers, moved and turned by transforms. Each knows how long its lines are."""
+"""Random drawings of loops as people make them: with and without ids, as shapes, paths, outlines, arcs that meet or leave gaps and
+polylines that end on themselves, nested, in chains, with pads, leads, names, connections and layers, moved and turned by
+transforms. Each knows how long its lines are."""
 import dataclasses
 import math
 import random
@@ -9,7 +10,7 @@ import random
 class Drawing:
     svg: str
     lengths: list  # of all stroked lines, mm
-    ids: dict      # of an id: the lengths of its lines
+    ids: dict      # of an id: the lengths of its lines; empty where some lines are in no coil
 
 
 class Generator:
@@ -25,11 +26,11 @@ class Generator:
 
     def attempt(self, most_mm):
         r = self.random
-        self.lengths, self.ids = [], {}
+        self.lengths, self.ids, self.joined = [], {}, False
         self.width_mm, self.height_mm = r.uniform(60, most_mm), r.uniform(60, most_mm)
         self.named = r.random() < 0.5
         unit = r.choice([1, 1, 2.834645669, 10])  # user units per mm
-        body = "".join(r.choice([self.chain, self.scattered, self.nested, self.butterfly])() for _ in range(r.randint(1, 3)))
+        body = "".join(r.choice([self.chain, self.scattered, self.nested, self.butterfly, self.connected])() for _ in range(r.randint(1, 3)))
         if r.random() < 0.3:
             body = f'<g inkscape:groupmode="layer" id="layer1" inkscape:label="Coils">{body}</g>'
         if r.random() < 0.3:
@@ -39,7 +40,7 @@ class Generator:
         svg = (f'<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" '
                f'width="{self.width_mm:.4f}mm" height="{self.height_mm:.4f}mm" {box} fill="none" stroke="#000" '
                f'stroke-width="{r.uniform(0.4, 2.5):.3f}">\n{scaled}\n</svg>\n')
-        return Drawing(svg, self.lengths, self.ids)
+        return Drawing(svg, self.lengths, {} if self.joined else self.ids)
 
     # Groups of loops
 
@@ -79,10 +80,12 @@ class Generator:
     def scattered(self):
         out = ""
         for _ in range(self.random.randint(1, 3)):
-            radius = self.random.uniform(7, min(28, self.largest()))
+            radius = self.random.uniform(8.5, min(28, self.largest()))  # smaller loops within others are marks
             cx, cy = self.place(radius + 2)
-            make = self.random.choice([self.circle, self.rectangle, self.polygon, self.rounded])
-            out += self.element([make(cx, cy, radius)] + self.extras(cx, cy, radius))
+            make = self.random.choice([self.circle, self.rectangle, self.polygon, self.rounded, self.outlined, self.gapped,
+                                       self.in_arcs, self.polyline])
+            made = make(cx, cy, radius)
+            out += self.element((made if isinstance(made, list) else [made]) + self.extras(cx, cy, radius))
         return out
 
     def nested(self):
@@ -90,6 +93,23 @@ class Generator:
         cx, cy = self.place(radius + 2)
         inner = radius * self.random.uniform(0.3, 0.7)
         return self.element([self.circle(cx, cy, radius)]) + self.element([self.circle(cx + 0.1 * radius, cy, inner)])
+
+    def connected(self):
+        """Two loops and a line from one to the other."""
+        r = self.random
+        radius, apart = r.uniform(7, 12), r.uniform(2.6, 3.5)
+        cx, cy = self.place(radius + 2)
+        x = cx + apart * radius
+        if x + radius + 2 > self.width_mm:
+            x = cx - apart * radius
+        if x - radius - 2 < 0:
+            return self.element([self.circle(cx, cy, radius)])
+        side = math.copysign(radius, x - cx)
+        out = self.element([self.circle(cx, cy, radius)]) + self.element([self.circle(x, cy, radius)])
+        markup, length = self.path([(cx + side, cy), (x - side, cy)], closed=False)
+        self.lengths.append(length)
+        self.joined = True
+        return out + markup
 
     def butterfly(self):
         """Two loops in series, crossing in the middle."""
@@ -110,9 +130,43 @@ class Generator:
             turn = r.uniform(0, 2 * math.pi)
             out.append(self.path([(cx + 0.9 * radius * math.cos(turn), cy + 0.9 * radius * math.sin(turn)),
                                   (cx + 0.3 * radius * math.cos(turn), cy + 0.3 * radius * math.sin(turn))], closed=False))
+        if r.random() < 0.1:  # its name
+            out.append((f'<text x="{cx - 3:.4f}" y="{cy + 1:.4f}" font-size="4" fill="#000" stroke="none">R{r.randint(1, 64)}</text>', 0))
         return out
 
-    # Lines: (markup, length)
+    # Lines: (markup, length), or a list of them
+
+    def arc(self, cx, cy, radius, begin, end):
+        """A circular arc of less than half of a turn each way, as a path."""
+        x0, y0, x1, y1 = (c for a in (begin, end) for c in (cx + radius * math.cos(a), cy + radius * math.sin(a)))
+        return (f'<path d="M{x0:.4f} {y0:.4f}A{radius:.4f} {radius:.4f} 0 {int(end - begin > math.pi)} 1 {x1:.4f} {y1:.4f}"/>',
+                radius * (end - begin))
+
+    def in_arcs(self, cx, cy, radius):
+        """A circle of arcs, each a path of its own, as CAD programs write it."""
+        count, turn = self.random.randint(2, 5), self.random.uniform(0, 2 * math.pi)
+        arcs = [self.arc(cx, cy, radius, turn + 2 * math.pi * i / count, turn + 2 * math.pi * (i + 1) / count) for i in range(count)]
+        self.random.shuffle(arcs)
+        return arcs
+
+    def gapped(self, cx, cy, radius):
+        """A circle with gaps for capacitors."""
+        count, turn, gap = self.random.randint(2, 4), self.random.uniform(0, 2 * math.pi), self.random.uniform(0.8, 2) / radius
+        return [self.arc(cx, cy, radius, turn + 2 * math.pi * i / count + gap, turn + 2 * math.pi * (i + 1) / count) for i in range(count)]
+
+    def outlined(self, cx, cy, radius):
+        """The stroke of a circle as a filled outline."""
+        width = self.random.uniform(0.8, 2)
+        d = "".join(f"M{cx - r:.4f} {cy:.4f}a{r:.4f} {r:.4f} 0 1 {sweep} {2 * r:.4f} 0a{r:.4f} {r:.4f} 0 1 {sweep} {-2 * r:.4f} 0z"
+                    for r, sweep in ((radius + width / 2, 1), (radius - width / 2, 0)))
+        return f'<path d="{d}" fill="#000" stroke="none"/>', 2 * math.pi * radius
+
+    def polyline(self, cx, cy, radius):
+        """A circle as many short lines that ends where it begins, or a little farther."""
+        count, turn = self.random.randint(60, 200), self.random.uniform(0, 2 * math.pi)
+        corners = range(count + 1 + self.random.choice([0, 1, 2]))
+        return self.path([(cx + radius * math.cos(turn + 2 * math.pi * i / count), cy + radius * math.sin(turn + 2 * math.pi * i / count)) for i in corners],
+                         closed=False)
 
     def circle(self, cx, cy, radius):
         length = 2 * math.pi * radius
@@ -130,7 +184,7 @@ class Generator:
         return f'<g transform="translate({cx:.4f} {cy:.4f}) rotate({turn:.2f})"><ellipse rx="{radius / 2:.5f}" ry="{radius / 2:.5f}" transform="scale(2)" stroke-width="0.5"/></g>', length
 
     def rectangle(self, cx, cy, radius):
-        w, h = radius * self.random.uniform(0.9, 1.4), radius * self.random.uniform(0.6, 1.4)
+        w, h = radius * self.random.uniform(0.9, 1.4), radius * self.random.uniform(0.8, 1.4)
         turn = self.random.uniform(0, 90)
         return (f'<rect x="{cx - w / 2:.4f}" y="{cy - h / 2:.4f}" width="{w:.4f}" height="{h:.4f}" transform="rotate({turn:.2f} {cx:.4f} {cy:.4f})"/>',
                 2 * (w + h))
