@@ -10,7 +10,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double longest_reach_mm = 20;
 constexpr std::size_t most_pieces = 8;  // of the line, in the smallest boxes
 
 // The fraction of the way from a to b at which p is nearest.
@@ -22,7 +21,7 @@ double nearest(const Vector2d& a, const Vector2d& b, const Vector2d& p) {
 // From 1 at 0 to 0 at 1, level at both.
 double fade(double x) {
   x = std::clamp(x, 0.0, 1.0);
-  return 1 - x * x * x * (10 - 15 * x + 6 * x * x);
+  return 1 - x * x * (3 - 2 * x);
 }
 
 }  // namespace
@@ -47,16 +46,15 @@ TiedLine::TiedLine(std::vector<CurvePoint> line, double width_mm, const PatchMap
   if (line_.size() > 1) build(0, 1, line_.size());
 }
 
-// The element's patch may end before the line has moved over to the chart; the reach is then shorter.
 TiedLine::Tie TiedLine::tie(const PatchMap* map, bool from_end) const {
-  if (!map) return {};
-  const double length = line_.back().along;
-  double reach = std::min(length / 2, longest_reach_mm);
-  for (const CurvePoint& p : line_) {
-    const double x = from_end ? length - p.along : p.along;
-    if (x < reach && !map->rest_at(p.at, beside_ / 2)) reach = x;
+  Tie out;
+  for (std::size_t i = 0; map && i < line_.size(); ++i) {
+    const CurvePoint& p = line_[from_end ? line_.size() - 1 - i : i];
+    const auto own = map->rest_at(p.at, beside_ / 2), by_chart = chart_.rest_at(p.at);
+    if (!own || !by_chart) break;
+    out = {map, from_end ? line_.back().along - p.along : p.along, *own - *by_chart};
   }
-  return {reach > 0 ? map : nullptr, reach};
+  return out;
 }
 
 // Piece i joins points i - 1 and i.
@@ -103,18 +101,19 @@ double TiedLine::along(const Vector2d& uv) const {
   return best.along;
 }
 
+Vector2d TiedLine::moved(const Tie& tie, double x, const Vector2d& uv, const Vector2d& by_chart) const {
+  if (tie.map && x < tie.reach)
+    if (const auto own = tie.map->rest_at(uv, beside_))
+      return tie.beyond + fade(x / tie.reach) * (*own - by_chart - tie.beyond);
+  return tie.beyond;
+}
+
 std::optional<Vector2d> TiedLine::rest_at(const Vector2d& uv) const {
-  auto rest = chart_.rest_at(uv);
-  if (!rest) return rest;
-  const double s = along(uv), length = line_.back().along;
-  const Vector2d by_chart = *rest;
-  for (std::size_t e = 0; e < 2; ++e) {
-    const Tie& tie = ties_[e];
-    const double x = e == 0 ? s : length - s;
-    if (!tie.map || x >= tie.reach) continue;
-    if (const auto own = tie.map->rest_at(uv, beside_)) *rest += fade(x / tie.reach) * (*own - by_chart);
-  }
-  return rest;
+  const auto by_chart = chart_.rest_at(uv);
+  if (!by_chart) return by_chart;
+  const double s = along(uv), length = line_.back().along, of_start = fade(s / length);
+  return *by_chart + of_start * moved(ties_[0], s, uv, *by_chart) +
+         (1 - of_start) * moved(ties_[1], length - s, uv, *by_chart);
 }
 
 }  // namespace vacuform

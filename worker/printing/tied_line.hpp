@@ -1,4 +1,4 @@
-// Lines that join elements: the patch of an element places each end, and the line between follows the chart. Internal
+// Lines that join elements: the patch of an element places each end, and all of the line moves with its ends. Internal
 // to worker/printing.
 #pragma once
 
@@ -27,7 +27,8 @@ class TiedLine {
  private:
   struct Tie {
     const PatchMap* map = nullptr;
-    double reach = 0;  // along the line, mm: beyond this only the chart counts
+    double reach = 0;              // along the line, mm: the patch ends there
+    Eigen::Vector2d beyond{0, 0};  // by how much the patch moves the line from the chart there and beyond
   };
   struct Nearest {
     double square = 0, along = 0;
@@ -39,6 +40,9 @@ class TiedLine {
             Nearest& best) const;
   double bound(const Eigen::Vector2d& uv) const;
   Tie tie(const PatchMap* map, bool from_end) const;
+  // By how much the tie moves a point that lies `x` along the line from it and that the chart places at `by_chart`.
+  Eigen::Vector2d moved(const Tie& tie, double x, const Eigen::Vector2d& uv,
+                        const Eigen::Vector2d& by_chart) const;
 
   const std::vector<CurvePoint> line_;
   std::vector<Eigen::AlignedBox2d>

@@ -48,8 +48,8 @@ struct VectorPrint {
 // the chart.
 //
 // A line in no element that ends on the ink of an element, or within half its own width of it, is tied to it: the patch
-// of the element places its end, and within the first 20 mm, or half its length, the line gradually moves over to the
-// chart. Deterministic, on any number of threads. Errors: cancelled.
+// of the element places its end. Between its ends the line moves from the chart by what it moves at both, gradually more
+// like the one or the other; a free end lies on the chart. Deterministic, on any number of threads. Errors: cancelled.
 Result<VectorPrint> pull_back(const Drawing& drawing, const Placement& placement, const Settings& settings,
                               const Context& context);
 

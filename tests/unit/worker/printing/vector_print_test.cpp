@@ -311,12 +311,37 @@ TEST(VectorPrint, AJoiningLineEndsWhereItsElementsLie) {
   EXPECT_LT((lines[0].curve.points.front() - start).norm(), 1e-6);
   EXPECT_LT((lines[0].curve.points.back() - end).norm(), 1e-6);
   EXPECT_LT(hausdorff(lines[1].curve, points_of(line({{-5, 20}, {5, 20}}))), 1e-6);
-  // In the middle only the chart applies, and the line turns sharply nowhere.
+  // The middle moves by the mean of both ends, and the line turns sharply nowhere.
   const auto points = points_of(lines[0].curve);
-  EXPECT_LT(distance_to(points, {0, 0}), 1e-3);
+  EXPECT_LT(distance_to(points, {0, 1}), 1e-3);
   const auto smooth = flatten(lines[0].curve, {.tolerance_mm = 1e-4, .turn = 0.05, .longest_mm = 0.5});
   for (std::size_t i = 1; i + 1 < smooth.size(); ++i) EXPECT_GT(smooth[i].before.dot(smooth[i].after), 0.999);
-  EXPECT_NEAR(total(print.elements[1]), 26.4 + 10, 4);
+  EXPECT_NEAR(total(print.elements[1]), (end - start).norm() + 10, 0.3);
+}
+
+// Two coils that lie 8 mm from where the chart has them, side by side: the line between them is as long as drawn.
+TEST(VectorPrint, ALineBetweenCoilsThatMovedTogetherIsAsLongAsDrawn) {
+  Placement placement;
+  placement.charts = {whole(identity(60, 2))};
+  for (const int side : {-1, 1}) {
+    PlacedElement placed;
+    placed.element = side < 0 ? 0 : 2;
+    placed.patch = identity(12, 1);
+    for (std::size_t i = 0; i < placed.patch.uv.size(); ++i) {
+      placed.patch.uv[i].x() += 12.5 * side;
+      placed.patch.rest[i] = placed.patch.uv[i] + Vector2d(3, -7.4);
+    }
+    placement.elements.push_back(placed);
+  }
+  const Drawing drawing =
+      drawing_of({{.id = "a", .centre = {-12.5, 0}, .shapes = {stroked(circle({-12.5, 0}, 9), 1)}},
+                  {.id = "", .centre = {0, 0}, .shapes = {stroked(line({{-3.5, 0}, {3.5, 0}}), 1)}},
+                  {.id = "b", .centre = {12.5, 0}, .shapes = {stroked(circle({12.5, 0}, 9), 1)}}});
+  const VectorPrint print = pull(drawing, placement);
+  EXPECT_NEAR(total(print.elements[1]), 7, 1e-3);
+  ASSERT_EQ(print.tied.size(), 1u);
+  EXPECT_EQ(print.tied[0].element, 1u);
+  EXPECT_LT((print.tied[0].rest.front() - Vector2d(-0.5, -7.4)).norm(), 1e-9);
 }
 
 TEST(VectorPrint, TheSameBytesOnOneThreadAndOnMore) {
