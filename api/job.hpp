@@ -67,7 +67,7 @@ struct ArtifactKind {
   std::string_view title;  // one line for people
   bool always = true;      // otherwise only jobs with matching content make it
 };
-inline constexpr std::array<ArtifactKind, 33> artifact_kinds{{
+inline constexpr std::array<ArtifactKind, 34> artifact_kinds{{
     {"print.png", "image/png", "The print: pre-distorted pattern, 1:1, exact dpi"},
     {"print.svg", "image/svg+xml", "The print at 1:1 with its marks, user units in mm"},
     {"print.pdf", "application/pdf", "The print at 1:1 with its marks, on a page of the sheet's size"},
@@ -80,6 +80,7 @@ inline constexpr std::array<ArtifactKind, 33> artifact_kinds{{
     {"preview-with.png", "image/png", "Formed part with the pre-distorted print"},
     {"preview-views.png", "image/png",
      "The print on the head from the front, the back, both sides and above"},
+    {"preview-lengths.png", "image/png", "Length of the drawing's lines on the formed part", false},
     {"preview-shape.png", "image/png", "Shape distortion by forming"},
     {"preview-area.png", "image/png", "Area distortion by forming"},
     {"preview-thickness.png", "image/png", "Thickness of the formed sheet"},

@@ -27,7 +27,7 @@ VERSION = r"\A{} [0-9]+\.[0-9]+\.[0-9]+ \(commit ([0-9a-f]{{12,40}}(, modified)?
 
 # The artifacts that every successful print has.
 DUE_ARTIFACTS = {"print.png", "print.svg", "print.pdf", "preview-pattern.png", "preview-print.png", "preview-without.png",
-                 "preview-with.png", "preview-views.png", "preview-shape.png", "preview-area.png", "preview-thickness.png",
+                 "preview-with.png", "preview-views.png", "preview-lengths.png", "preview-shape.png", "preview-area.png", "preview-thickness.png",
                  "preview-gap.png", "preview-findings.png", "formed.ply", "formed.obj", "formed.mtl", "formed.glb", "uv-map.obj", "mold.stl",
                  "report.json", "report.html"}
 

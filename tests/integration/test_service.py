@@ -17,7 +17,7 @@ NEWBORN, CORRUPT, RINGS = made_scans.newborn(), made_scans.corrupt(), PATTERNS /
 COARSE = {"sheet": {"resolution_mm": 5}, "print": {"dpi": 100}}
 FINE = {"sheet": {"resolution_mm": 1}}  # long enough to be interrupted
 ARTIFACTS = ["print.png", "print.svg", "print.pdf", "preview-pattern.png", "preview-print.png", "preview-without.png", "preview-with.png", "preview-views.png",
-             "preview-shape.png", "preview-area.png", "preview-thickness.png", "preview-gap.png", "preview-findings.png", "formed.ply", "formed.obj",
+             "preview-lengths.png", "preview-shape.png", "preview-area.png", "preview-thickness.png", "preview-gap.png", "preview-findings.png", "formed.ply", "formed.obj",
              "formed.mtl", "formed.glb", "uv-map.obj", "mold.stl", "report.json", "report.html"]
 
 

@@ -20,6 +20,7 @@ bool in_black(const Print& print) {
 
 bool makes(const Finished& job, const ArtifactKind& kind) {
   if (kind.name == "preview-segments.png") return in_segments(job);
+  if (kind.name == "preview-lengths.png") return !job.lengths.pieces.empty();
   if (kind.name == "preview-temperature.png") return job.heat.source != HeatSource::uniform;
   for (const Layer& layer : job.print.layers)
     if (kind.name.starts_with(layer.name + ".")) return true;

@@ -15,7 +15,8 @@ namespace vacuform {
 namespace {
 
 using Eigen::Vector2d;
-const Rgb backdrop(0.93f, 0.935f, 0.945f), paper(1, 1, 1), on_mold(0.87f, 0.93f, 0.98f);
+const Rgb backdrop(0.93f, 0.935f, 0.945f), paper(1, 1, 1), on_mold(0.87f, 0.93f, 0.98f),
+    on_page(0.45f, 0.46f, 0.48f);  // under colours that are nearly white where all is well
 
 // A plane of millimetres, y up, in the middle of a picture's rows between the captions.
 struct Frame {
@@ -113,6 +114,28 @@ Picture pattern_preview(const Finished& job, int side) {
   Canvas canvas(picture);
   rectangle(canvas, frame, size / 2, false);
   scale_bar(canvas, frame, side);
+  return picture;
+}
+
+Picture lengths_preview(const Finished& job, int side) {
+  const Vector2d size = job.pattern.size_mm();
+  const Frame frame(size, side);
+  Picture picture{side, side,
+                  std::vector<std::uint32_t>(static_cast<std::size_t>(side) * side, bits(on_page))};
+  const HeatMap scale = lengths_scale(job);
+  write({std::string(scale.title()), scale.figures, &scale, ""}, picture);
+  Canvas canvas(picture);
+  rectangle(canvas, frame, size / 2, false);
+  cairo_set_line_width(canvas.cairo(), 5);
+  cairo_set_line_cap(canvas.cairo(), CAIRO_LINE_CAP_ROUND);
+  for (auto piece = job.lengths.pieces.rbegin(); piece != job.lengths.pieces.rend(); ++piece) {
+    for (const Vector2d& p : piece->drawn) {
+      const Vector2d at = frame.pixel(p);
+      cairo_line_to(canvas.cairo(), at.x(), at.y());
+    }
+    canvas.colour(scale.colour(100 * piece->error));
+    cairo_stroke(canvas.cairo());
+  }
   return picture;
 }
 

@@ -28,6 +28,11 @@ constexpr std::array<std::uint32_t, 10> cividis_reversed = [] {
 constexpr std::array<std::uint32_t, 6> distortion_colours{0xf7f7f7, 0xfee0b6, 0xfdb863,
                                                           0xe08214, 0xb35806, 0x7f3b08};
 
+// The whole scale: shorter than drawn, as drawn, longer.
+constexpr std::array<std::uint32_t, 11> error_colours{0x2d004b, 0x542788, 0x8073ac, 0xb2abd2,
+                                                      0xd8daeb, 0xf7f7f7, 0xfee0b6, 0xfdb863,
+                                                      0xe08214, 0xb35806, 0x7f3b08};
+
 std::string preview_of(std::string_view id) { return "preview-" + std::string(id) + ".png"; }
 
 std::string spread(const Statistics& s) {
@@ -154,6 +159,24 @@ std::vector<HeatMap> heat_maps(const Finished& job) {
                     placed(e->whole.colour, e->touching.colour)});
   }
   return maps;
+}
+
+HeatMap lengths_scale(const Finished& job) {
+  const LengthErrors& lengths = job.lengths;
+  std::vector<double> values;
+  for (const LengthErrors::Piece& piece : lengths.pieces) values.push_back(100 * piece.error);
+  return {"lengths",
+          "% longer or shorter",
+          -10,
+          10,
+          2,
+          100 * job.settings.pattern.length_limit,
+          error_colours,
+          false,
+          std::move(values),
+          "longer or shorter than drawn by " + in_percent(lengths.mean, 1) +
+              " on average, 95 % of all below " + in_percent(lengths.p95, 1) + ", at worst " +
+              in_percent(lengths.worst, 1)};
 }
 
 nlohmann::ordered_json heat_maps_json(const std::vector<HeatMap>& maps) {

@@ -34,6 +34,9 @@ struct HeatMap {
 // same settings can be compared by eye.
 std::vector<HeatMap> heat_maps(const Finished& job);
 
+// The scale of preview-lengths.png: errors of lengths, %. Its values are those of the lines, not of vertices.
+HeatMap lengths_scale(const Finished& job);
+
 // An array of {"id", "title", "unit", "low", "high", "step", "limit" or null, "over_ink", "colours": ["#rrggbb"]}.
 nlohmann::ordered_json heat_maps_json(const std::vector<HeatMap>& maps);
 

@@ -263,6 +263,8 @@ Result<std::vector<Artifact>> previews(const Finished& job, const SheetPicture& 
   show("with", front[distorted],
        {"The pre-distorted print, formed", figures_of(job, Way::with), nullptr, ink_note(job)});
   shown.push_back({"preview-views.png", std::move(around.whole)});
+  if (!job.lengths.pieces.empty())
+    shown.push_back({"preview-lengths.png", lengths_preview(job, preview_side)});
   for (std::size_t i = 0; i < paints.maps.size(); ++i) {
     const HeatMap& map = paints.maps[i];
     show(std::string(map.id), front[of_maps + i], {std::string(map.title()), map.figures, &map, ""});

@@ -1,7 +1,9 @@
 #include "worker/inspection/report_html.hpp"
 
+#include <cmath>
 #include <map>
 
+#include "api/base/decimal.hpp"
 #include "worker/inspection/caption.hpp"
 #include "worker/inspection/html.hpp"
 #include "worker/inspection/report_sections.hpp"
@@ -93,6 +95,18 @@ std::string summary(const ReportJson& r) {
   return "<p>" + escaped(text) + "</p>\n";
 }
 
+std::string lengths_part(const ReportJson& report) {
+  const ReportJson& lengths = at(report, {"pattern", "lengths"});
+  if (!lengths.is_object()) return "";
+  const auto percent = [&](const char* key) {
+    return in_percent(std::abs(at(lengths, {key}).get<double>()), 1);
+  };
+  return "<p>Lines of the drawing come out longer or shorter than drawn by " + percent("mean_error") +
+         " on average; 95 % of their length by less than " + percent("p95_error") + ". The worst place, " +
+         percent("worst_error") + (at(lengths, {"worst_error"}) < 0 ? " shorter" : " longer") + ", is at " +
+         numbers(at(lengths, {"worst_place_mm"}), 1, ", ") + " mm.</p>\n";
+}
+
 std::string reading() {
   return "<h2>How to read this</h2>\n<ul>\n"
          "<li>Everything is measured on the simulated part, on the face of the sheet that carries the ink. "
@@ -139,6 +153,8 @@ std::string report_html(const ReportJson& report, const std::vector<Artifact>& f
   out += pictures("Drawing, print and part", previews,
                   {"preview-pattern.png", "preview-print.png", "preview-without.png", "preview-with.png"});
   out += pictures("The print on the head", previews, {"preview-views.png"});
+  out += pictures("Lengths", previews, {"preview-lengths.png"});
+  out += lengths_part(report);
   out +=
       pictures("The colours of the scan", previews,
                {"preview-original.png", "preview-position.png", "preview-colour.png", "preview-align.png"});

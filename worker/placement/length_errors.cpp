@@ -80,7 +80,7 @@ class Pieces {
     for (std::size_t i = 0; i < drawn.size(); ++i) {
       const auto at = domains.find(laid[i]);
       const bool joined = at && before && at->patch == before->patch;
-      if (joined) add(size * (drawn[i] - drawn[i - 1]).norm(), (at->place - before->place).norm(), *at);
+      if (joined) add(size, drawn[i - 1], drawn[i], (at->place - before->place).norm(), *at);
       if (!joined || drawn_ >= piece_mm) finish(element);
       before = at;
     }
@@ -90,7 +90,11 @@ class Pieces {
   std::vector<LengthErrors::Piece> found;
 
  private:
-  void add(double drawn_mm, double formed_mm, const Domains::Found& at) {
+  void add(double size, const Vector2d& from, const Vector2d& to, double formed_mm,
+           const Domains::Found& at) {
+    const double drawn_mm = size * (to - from).norm();
+    if (line_.empty()) line_.push_back(from);
+    line_.push_back(to);
     drawn_ += drawn_mm;
     formed_ += formed_mm;
     angle_ += drawn_mm * angle_error(at);
@@ -99,13 +103,15 @@ class Pieces {
 
   void finish(int element) {
     if (drawn_ > 0.5 * step_mm && middle_)
-      found.push_back({formed_ / drawn_ - 1, angle_ / drawn_, drawn_, element, *middle_});
+      found.push_back({formed_ / drawn_ - 1, angle_ / drawn_, drawn_, element, std::move(line_), *middle_});
     drawn_ = formed_ = angle_ = 0;
     middle_.reset();
+    line_.clear();
   }
 
   double drawn_ = 0, formed_ = 0, angle_ = 0;
   std::optional<Vector3d> middle_;
+  std::vector<Vector2d> line_;
 };
 
 std::vector<Vector2d> points_of(const Curve& curve) {

@@ -22,8 +22,9 @@ struct LengthErrors {
     double error = 0;
     double angle_deg = 0;  // that a right angle may be off there, the mean
     double drawn_mm = 0;
-    int element = -1;                // of the drawing; -1: of none
-    Eigen::Vector3d place{0, 0, 0};  // on the inked surface, mm
+    int element = -1;                         // of the drawing; -1: of none
+    std::vector<Eigen::Vector2d> drawn = {};  // pattern coordinates, mm
+    Eigen::Vector3d place{0, 0, 0};           // on the inked surface, mm
   };
   std::vector<Piece> pieces;
   double mean = 0, p95 = 0, worst = 0;  // of |error| by length; 0 without pieces

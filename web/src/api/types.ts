@@ -10,10 +10,10 @@ export type Scope = 'submit' | 'read' | 'work' | 'admin';
 
 export type ArtifactName = 'print.png' | 'print.svg' | 'print.pdf' | 'colours.png' | 'colours.svg' | 'colours.pdf' |
   'preview-pattern.png' | 'preview-print.png' | 'preview-without.png' | 'preview-with.png' | 'preview-views.png' |
-  'preview-shape.png' | 'preview-area.png' | 'preview-thickness.png' | 'preview-temperature.png' | 'preview-gap.png' |
-  'preview-position.png' | 'preview-colour.png' | 'preview-segments.png' | 'preview-original.png' | 'preview-align.png'
-  | 'preview-findings.png' | 'formed.ply' | 'formed.obj' | 'formed.mtl' | 'formed.glb' | 'uv-map.obj' | 'mold.stl' |
-  'findings.json' | 'pattern.svg' | 'layout.json' | 'report.json' | 'report.html';
+  'preview-lengths.png' | 'preview-shape.png' | 'preview-area.png' | 'preview-thickness.png' | 'preview-temperature.png'
+  | 'preview-gap.png' | 'preview-position.png' | 'preview-colour.png' | 'preview-segments.png' | 'preview-original.png'
+  | 'preview-align.png' | 'preview-findings.png' | 'formed.ply' | 'formed.obj' | 'formed.mtl' | 'formed.glb' |
+  'uv-map.obj' | 'mold.stl' | 'findings.json' | 'pattern.svg' | 'layout.json' | 'report.json' | 'report.html';
 
 export interface ProblemBody {
   type: string;
