@@ -319,6 +319,11 @@ TEST(Artifacts, ShowTheTemperatureAndTheSegmentsWhereThereAreAny) {
   job.placement = *place(hand_made::Charted(job.sample), nullptr, job.sample.settings, Context());
   Finished finished = job.finished();
   finished.heat = {HeatSource::heaters, 120, 140, 160, 31.25, 2.5};
+  // 10 % longer above the middle of the page, and as drawn below it.
+  LengthErrors& lengths = finished.lengths;
+  lengths.pieces = {{0.1, 0, 20, 0, {{-10, 5}, {10, 5}}, {1, 2, 3}},
+                    {0, 0, 20, 0, {{-10, -5}, {10, -5}}, {1, 2, 3}}};
+  lengths.worst = 0.1;
   job.print.layers.push_back(
       {.name = "colours", .source = job.print.top().source, .files = {{1}, "<svg/>", {2}}});
   const auto files = artifacts(finished, Context());
@@ -341,6 +346,16 @@ TEST(Artifacts, ShowTheTemperatureAndTheSegmentsWhereThereAreAny) {
     }
   for (const char* name : {"preview-temperature.png", "preview-segments.png"})
     EXPECT_EQ(decode_png(file(*files, name)).width, 1000);
+  const Decoded picture = decode_png(file(*files, "preview-lengths.png"));
+  const Vector2d size = job.pattern.size_mm();
+  const int middle = (caption_top + 1000 - caption_bottom) / 2;
+  const int away =
+      static_cast<int>(5 * std::min(920 / size.x(), (1000 - caption_top - caption_bottom - 60) / size.y()));
+  const auto colour_at = [&](int y) {
+    return std::array{picture.at(500, y, 0), picture.at(500, y, 1), picture.at(500, y, 2)};
+  };
+  EXPECT_EQ(colour_at(middle - away), (std::array{0x7f, 0x3b, 0x08}));
+  EXPECT_EQ(colour_at(middle + away), (std::array{0xf7, 0xf7, 0xf7}));
   EXPECT_EQ(r["segments"]["count"], 1);
   EXPECT_NEAR(r["segments"]["segments"][0]["distortion"].get<double>(), job.placement.charts[0].distortion,
               1e-4);
