@@ -164,7 +164,7 @@ class Service(Case):
         # Neither the pattern nor files made from it alone: other jobs have the same.
         shared = {"formed.mtl", "preview-pattern.png"}
         files = [file["sha256"] for file in [*ended["artifacts"], ended["inputs"]["scan"]] if file.get("name") not in shared]
-        self.assertEqual(len(files), 20)
+        self.assertEqual(len(files), 21)
         for sha256 in files:
             self.assertEqual(len(self.files_kept(sha256)), 1)
         self.assertEqual(curl("-X", "DELETE", f"{self.server.api}/jobs/{job}").status, 204)
@@ -216,7 +216,7 @@ class Service(Case):
             return None if 'http-equiv="refresh"' in text else text  # the page updates automatically
         text = wait_for(finished, "the job's last page")
         pictures = [html.unescape(src) for src in re.findall(r'<img[^>]*src="([^"]+)"', text)]
-        self.assertEqual(len([p for p in pictures if "/preview-" in p]), 10)
+        self.assertEqual(len([p for p in pictures if "/preview-" in p]), 11)
         self.assertTrue(all(re.search(r'alt="[^"]+"', img) for img in re.findall(r"<img[^>]*>", text)))
         for picture in pictures:
             self.assertEqual(curl(self.server.url + picture).body[:8], b"\x89PNG\r\n\x1a\n")
