@@ -137,7 +137,7 @@ class Generator:
     # Lines: (markup, length), or a list of them
 
     def arc(self, cx, cy, radius, begin, end):
-        """A circular arc of less than half of a turn each way, as a path."""
+        """A circular arc as a path."""
         x0, y0, x1, y1 = (c for a in (begin, end) for c in (cx + radius * math.cos(a), cy + radius * math.sin(a)))
         return (f'<path d="M{x0:.4f} {y0:.4f}A{radius:.4f} {radius:.4f} 0 {int(end - begin > math.pi)} 1 {x1:.4f} {y1:.4f}"/>',
                 radius * (end - begin))

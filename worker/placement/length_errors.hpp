@@ -9,7 +9,7 @@
 
 namespace vacuform {
 
-// A line in no element that the print does not lay by the chart alone: its points as they are drawn, and where they lie.
+// A line, or a part of it between places off the chart, that elements tie: its points as drawn, and where they lie.
 struct TiedPoints {
   std::size_t element, shape, curve;         // Drawing::elements, Element::shapes, Shape::curves
   std::vector<Eigen::Vector2d> drawn, rest;  // parallel: pattern and sheet coordinates, mm

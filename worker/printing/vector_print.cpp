@@ -315,12 +315,16 @@ class PullBack {
     const Domain domain{[&](const Vector2d& uv) { return line.rest_at(uv); }, &chart};
     paint(stroke_area({curve}, stroke, polygon_tolerance), stroke.colour, {domain}, pulled);
     if (ink(stroke.colour) > 0) centre(points, false, domain.rest_at, pulled);
-    TiedPoints& out = pulled.tied.emplace_back(TiedPoints{pulled.element, pulled.number, number, {}, {}});
+    TiedPoints* part = nullptr;  // of the line, between places off the chart
     for (const CurvePoint& p : points) {
       const auto rest = line.rest_at(p.at);
-      if (!rest) continue;
-      out.drawn.push_back(p.at);
-      out.rest.push_back(*rest);
+      if (!rest) {
+        part = nullptr;
+        continue;
+      }
+      if (!part) part = &pulled.tied.emplace_back(TiedPoints{pulled.element, pulled.number, number, {}, {}});
+      part->drawn.push_back(p.at);
+      part->rest.push_back(*rest);
     }
     return true;
   }

@@ -282,21 +282,23 @@ TEST(VectorPrint, ThePageCutsToo) {
   EXPECT_LT((print.elements[0].centrelines[0].curve.points.front() - Vector2d(-25, 3)).norm(), 2e-3);
 }
 
+// An element drawn about `centre`, turned by `turn` radians and moved from there on the sheet.
+PlacedElement moved_element(int element, const Vector2d& centre, double turn, const Vector2d& move) {
+  PlacedElement placed;
+  placed.element = element;
+  placed.patch = identity(14, 1);
+  for (std::size_t i = 0; i < placed.patch.uv.size(); ++i) {
+    placed.patch.rest[i] = Eigen::Rotation2Dd(turn) * placed.patch.uv[i] + centre + move;
+    placed.patch.uv[i] += centre;
+  }
+  return placed;
+}
+
 TEST(VectorPrint, AJoiningLineEndsWhereItsElementsLie) {
   // Two rings that were moved apart by 2 mm each, and rotated; the line between them follows.
   Placement placement;
   placement.charts = {whole(identity(60, 2))};
-  for (const int side : {-1, 1}) {
-    PlacedElement placed;
-    placed.element = side < 0 ? 0 : 2;
-    placed.patch = identity(14, 1);
-    const Vector2d centre(25.0 * side, 0);
-    for (std::size_t i = 0; i < placed.patch.uv.size(); ++i) {
-      placed.patch.rest[i] = Eigen::Rotation2Dd(0.1) * placed.patch.uv[i] + centre + Vector2d(2 * side, 1);
-      placed.patch.uv[i] += centre;
-    }
-    placement.elements.push_back(placed);
-  }
+  placement.elements = {moved_element(0, {-25, 0}, 0.1, {-2, 1}), moved_element(2, {25, 0}, 0.1, {2, 1})};
   const Drawing drawing = drawing_of(
       {{.id = "a", .centre = {-25, 0}, .shapes = {stroked(circle({-25, 0}, 10), 3)}},
        {.id = "",
@@ -323,16 +325,8 @@ TEST(VectorPrint, AJoiningLineEndsWhereItsElementsLie) {
 TEST(VectorPrint, ALineBetweenCoilsThatMovedTogetherIsAsLongAsDrawn) {
   Placement placement;
   placement.charts = {whole(identity(60, 2))};
-  for (const int side : {-1, 1}) {
-    PlacedElement placed;
-    placed.element = side < 0 ? 0 : 2;
-    placed.patch = identity(12, 1);
-    for (std::size_t i = 0; i < placed.patch.uv.size(); ++i) {
-      placed.patch.uv[i].x() += 12.5 * side;
-      placed.patch.rest[i] = placed.patch.uv[i] + Vector2d(3, -7.4);
-    }
-    placement.elements.push_back(placed);
-  }
+  placement.elements = {moved_element(0, {-12.5, 0}, 0, {3, -7.4}),
+                        moved_element(2, {12.5, 0}, 0, {3, -7.4})};
   const Drawing drawing =
       drawing_of({{.id = "a", .centre = {-12.5, 0}, .shapes = {stroked(circle({-12.5, 0}, 9), 1)}},
                   {.id = "", .centre = {0, 0}, .shapes = {stroked(line({{-3.5, 0}, {3.5, 0}}), 1)}},
