@@ -338,6 +338,29 @@ TEST(VectorPrint, ALineBetweenCoilsThatMovedTogetherIsAsLongAsDrawn) {
   EXPECT_LT((print.tied[0].rest.front() - Vector2d(-0.5, -7.4)).norm(), 1e-9);
 }
 
+// The chart has a hole where the line passes: what lies on either side is a part of its own.
+TEST(VectorPrint, ALineBetweenCoilsThatLeavesTheChartHasTwoParts) {
+  Patch holed = identity(60, 2);
+  std::erase_if(holed.triangles, [&](const Triangle& t) {
+    return std::all_of(t.begin(), t.end(), [&](int v) {
+      const Vector2d& p = holed.uv[static_cast<std::size_t>(v)];
+      return p.x() >= -2 && p.x() <= 6 && std::abs(p.y()) <= 4;
+    });
+  });
+  Placement placement;
+  placement.charts = {whole(std::move(holed))};
+  placement.elements = {moved_element(0, {-25, 0}, 0.1, {-2, 1}), moved_element(2, {25, 0}, 0.1, {2, 1})};
+  const Drawing drawing =
+      drawing_of({{.id = "a", .centre = {-25, 0}, .shapes = {stroked(circle({-25, 0}, 10), 3)}},
+                  {.id = "", .centre = {0, 0}, .shapes = {stroked(line({{-13.2, 0}, {13.2, 0}}), 1)}},
+                  {.id = "b", .centre = {25, 0}, .shapes = {stroked(circle({25, 0}, 10), 3)}}});
+  const VectorPrint print = pull(drawing, placement);
+  ASSERT_EQ(print.tied.size(), 2u);
+  EXPECT_NEAR(print.tied[0].drawn.back().x(), -2, 0.21);
+  EXPECT_NEAR(print.tied[1].drawn.front().x(), 6, 0.21);
+  for (const TiedPoints& part : print.tied) EXPECT_EQ(part.drawn.size(), part.rest.size());
+}
+
 TEST(VectorPrint, TheSameBytesOnOneThreadAndOnMore) {
   Placement placement;
   placement.charts = {
