@@ -33,6 +33,9 @@ enum class FlatteningWeights { uniform, ink, center, painted };
 enum class PatternSource { file, scan, both };
 enum class PatternPlacement { automatic, elements, chart, segments };
 enum class CoilKeep { area, diameter };
+enum class CoilBuild { single, two_faces, bridges };
+enum class CapacitorCase { c0805, c1111, custom };
+enum class PortSide { edge, top };
 // Front is the half of the formed part towards +y, back the other; scan.yaw_deg turns the head.
 enum class ArrayRegion { dome, front, back };
 enum class InkedFace { outer, inner };
@@ -150,6 +153,16 @@ struct CoilSettings {
   bool decouple = false;       // moves and resizes loops until they couple little
   double size_limit = 0.05;    // largest change of a loop's size by that
   double stretch_limit = 0.2;  // of a trace, at which its ink fails
+  // What parts loops that cross: nothing, the two faces of the sheet with bridges where these do not suffice, or bridges.
+  CoilBuild build = CoilBuild::single;
+  double patch_margin_mm = 1;    // of the dielectric beyond the conductors that it parts
+  double bridge_overlap_mm = 2;  // of a bridge on each end of the loop below it
+  double clearance_mm = 0.5;     // least distance of conductors of different loops
+  int gaps = 0;  // for capacitors in each loop without drawn ones, one of them the port; 0: none
+  CapacitorCase capacitor = CapacitorCase::c0805;
+  double gap_mm = 1, pad_length_mm = 1,
+         pad_width_mm = 1.5;       // of a custom case: between the pads, along, across
+  PortSide port = PortSide::edge;  // where the cables leave
 };
 
 // An array of loops of one size, for jobs of kind layout.

@@ -32,6 +32,9 @@ inline constexpr std::array<std::string_view, 4> weights_names{"uniform", "ink",
 inline constexpr std::array<std::string_view, 3> pattern_source_names{"file", "scan", "both"};
 inline constexpr std::array<std::string_view, 4> placement_names{"auto", "elements", "chart", "segments"};
 inline constexpr std::array<std::string_view, 2> keep_names{"area", "diameter"};
+inline constexpr std::array<std::string_view, 3> build_names{"single", "two_faces", "bridges"};
+inline constexpr std::array<std::string_view, 3> case_names{"0805", "1111", "custom"};
+inline constexpr std::array<std::string_view, 2> port_names{"edge", "top"};
 inline constexpr std::array<std::string_view, 3> region_names{"dome", "front", "back"};
 inline constexpr std::array<std::string_view, 2> face_names{"outer", "inner"};
 inline constexpr std::array<std::string_view, 2> background_names{"white", "transparent"};
@@ -54,6 +57,9 @@ inline std::span<const std::string_view> names_of(FlatteningWeights) { return we
 inline std::span<const std::string_view> names_of(PatternSource) { return pattern_source_names; }
 inline std::span<const std::string_view> names_of(PatternPlacement) { return placement_names; }
 inline std::span<const std::string_view> names_of(CoilKeep) { return keep_names; }
+inline std::span<const std::string_view> names_of(CoilBuild) { return build_names; }
+inline std::span<const std::string_view> names_of(CapacitorCase) { return case_names; }
+inline std::span<const std::string_view> names_of(PortSide) { return port_names; }
 inline std::span<const std::string_view> names_of(ArrayRegion) { return region_names; }
 inline std::span<const std::string_view> names_of(InkedFace) { return face_names; }
 inline std::span<const std::string_view> names_of(Background) { return background_names; }
@@ -245,6 +251,25 @@ void describe(S& s, V& v) {
           "Move and resize loops until they couple as little as the surface lets them");
   v.field("size_limit", s.coils.size_limit, {0, 0.5, "1"}, "Largest change of a loop's size by decoupling");
   v.field("stretch_limit", s.coils.stretch_limit, {0, 5, "1"}, "Stretch at which the ink of a trace fails");
+  v.field(
+      "build", s.coils.build,
+      "What parts loops that cross: nothing (one layer of ink joins them), the two faces of the sheet with "
+      "bridges where two do not suffice, or bridges");
+  v.field("patch_margin_mm", s.coils.patch_margin_mm, {0.2, 10, "mm"},
+          "Dielectric of a bridge beyond both conductors that it parts");
+  v.field("bridge_overlap_mm", s.coils.bridge_overlap_mm, {0.2, 20, "mm"},
+          "Overlap of a bridge with each end of its loop");
+  v.field("clearance_mm", s.coils.clearance_mm, {0.05, 10, "mm"},
+          "Least distance between conductors of different loops");
+  v.field("gaps", s.coils.gaps, {0, 16, "1"},
+          "Gaps for capacitors in each loop that is drawn without, the first of them its port; 0 leaves "
+          "loops closed");
+  v.field("capacitor", s.coils.capacitor, "Case of the capacitors: the size of the pads at each gap");
+  v.field("gap_mm", s.coils.gap_mm, {0.1, 20, "mm"}, "Between the pads of a custom case");
+  v.field("pad_length_mm", s.coils.pad_length_mm, {0.1, 20, "mm"}, "Pad of a custom case, along the trace");
+  v.field("pad_width_mm", s.coils.pad_width_mm, {0.1, 20, "mm"}, "Pad of a custom case, across the trace");
+  v.field("port", s.coils.port,
+          "Where the cables leave: each loop's port is on its side towards the edge, or the top");
 
   v.group("layout", "Layout: an array of coils made for a scan, for jobs of kind layout");
   v.field("count", s.layout.count, {4, 64, "1"}, "Number of coils");

@@ -241,6 +241,8 @@ Area stroke_area(const std::vector<Curve>& curves, const Stroke& stroke, double 
 
 Area intersection(const Area& a, const Area& b) { return shared_by(a, b); }
 
+Area difference(const Area& a, const Area& b) { return remainder_of(a, b); }
+
 Area union_of(const std::vector<Ring>& rings) { return covered_by(rings, FillRule::non_zero); }
 
 double square_mm(const Area& area) {

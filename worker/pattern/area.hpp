@@ -26,6 +26,7 @@ double widest_mm(const Stroke& stroke);
 Area stroke_area(const std::vector<Curve>& curves, const Stroke& stroke, double tolerance_mm);
 
 Area intersection(const Area& a, const Area& b);
+Area difference(const Area& a, const Area& b);
 // What any of the rings winds around; they may have any order and direction.
 Area union_of(const std::vector<Ring>& rings);
 

@@ -37,17 +37,21 @@ Paths to_clipper(const std::vector<Ring>& rings) {
   return out;
 }
 
+std::vector<Eigen::Vector2d> from_clipper(const Path& path) {
+  std::vector<Eigen::Vector2d> out;
+  out.reserve(path.size());
+  for (const IntPoint& p : path)
+    out.emplace_back(static_cast<double>(p.X) / units_per_mm, static_cast<double>(p.Y) / units_per_mm);
+  return out;
+}
+
 Area from_clipper(Paths paths) {
   // Rounding leaves edges of a few units, which point anywhere.
   clip::CleanPolygons(paths, 0.0005 * units_per_mm);
   Area out;
   for (const Path& path : paths) {
     if (path.size() < 3) continue;
-    Ring ring;
-    ring.reserve(path.size());
-    for (const IntPoint& p : path)
-      ring.emplace_back(static_cast<double>(p.X) / units_per_mm, static_cast<double>(p.Y) / units_per_mm);
-    out.push_back(std::move(ring));
+    out.push_back(from_clipper(path));
   }
   return out;
 }
@@ -222,6 +226,24 @@ Area covered_by(const std::vector<Ring>& rings, FillRule rule) {
 
 Area shared_by(const std::vector<Ring>& a, const std::vector<Ring>& b) {
   return from_clipper(in_strips({clip::ctIntersection, clip::pftNonZero}, to_clipper(a), to_clipper(b), 0));
+}
+
+Area remainder_of(const std::vector<Ring>& a, const std::vector<Ring>& b) {
+  return from_clipper(in_strips({clip::ctDifference, clip::pftNonZero}, to_clipper(a), to_clipper(b), 0));
+}
+
+std::vector<std::vector<Eigen::Vector2d>> line_outside(const std::vector<Eigen::Vector2d>& line,
+                                                       const std::vector<Ring>& rings) {
+  clip::Clipper clipper;
+  clipper.AddPaths(to_clipper({line}), clip::ptSubject, false);
+  clipper.AddPaths(to_clipper(rings), clip::ptClip, true);
+  clip::PolyTree tree;
+  clipper.Execute(clip::ctDifference, tree, clip::pftNonZero, clip::pftNonZero);
+  Paths parts;
+  clip::OpenPathsFromPolyTree(tree, parts);
+  std::vector<std::vector<Eigen::Vector2d>> out;
+  for (const Path& part : parts) out.push_back(from_clipper(part));
+  return out;
 }
 
 }  // namespace vacuform

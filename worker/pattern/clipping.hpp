@@ -17,4 +17,11 @@ Area covered_by(const std::vector<Ring>& rings, FillRule rule);
 // What both cover, each by the non-zero rule.
 Area shared_by(const std::vector<Ring>& a, const std::vector<Ring>& b);
 
+// What `a` covers and `b` does not, each by the non-zero rule.
+Area remainder_of(const std::vector<Ring>& a, const std::vector<Ring>& b);
+
+// The parts of an open line outside of what the rings cover, by the non-zero rule; in no order.
+std::vector<std::vector<Eigen::Vector2d>> line_outside(const std::vector<Eigen::Vector2d>& line,
+                                                       const std::vector<Ring>& rings);
+
 }  // namespace vacuform

@@ -127,8 +127,17 @@ void follow_leaders(const ChartedSurface& charted, ElementLayout& layout) {
 Result<std::vector<ElementOnSurface>> lay_on_surface(const ChartedSurface& charted,
                                                      const ElementLayout& layout, const Context& context,
                                                      bool rough) {
+  const std::vector<double> free = turns(charted, layout.centres, layout.pairs);
+  std::vector<double> turn = free;
+  for (std::size_t i = 0; i < turn.size(); ++i)
+    if (const int leader = layout.elements[i].leader; leader >= 0) turn[i] = free[index(leader)];
+  return lay_turned(charted, layout, turn, context, rough);
+}
+
+Result<std::vector<ElementOnSurface>> lay_turned(const ChartedSurface& charted, const ElementLayout& layout,
+                                                 const std::vector<double>& turn, const Context& context,
+                                                 bool rough) {
   const int count = static_cast<int>(layout.elements.size());
-  const std::vector<double> turn = turns(charted, layout.centres, layout.pairs);
   std::vector<Result<ElementOnSurface>> laid(layout.elements.size());
   constexpr int batch = 4;  // so that a cancellation takes effect soon
   for (int begin = 0; begin < count; begin += batch) {
@@ -136,9 +145,7 @@ Result<std::vector<ElementOnSurface>> lay_on_surface(const ChartedSurface& chart
     in_parallel(begin, std::min(begin + batch, count), [&](int first, int last) {
       for (int i = first; i < last; ++i) {
         const auto k = static_cast<std::size_t>(i);
-        const int leader = layout.elements[k].leader;
-        laid[k] = lay(charted, layout.elements[k], layout.centres[k], turn[leader < 0 ? k : index(leader)],
-                      layout.keep, rough);
+        laid[k] = lay(charted, layout.elements[k], layout.centres[k], turn[k], layout.keep, rough);
       }
     });
   }

@@ -50,6 +50,11 @@ Result<std::vector<ElementOnSurface>> lay_on_surface(const ChartedSurface& chart
                                                      const ElementLayout& layout, const Context& context,
                                                      bool rough = false);
 
+// The same with rotations that are known, one an element.
+Result<std::vector<ElementOnSurface>> lay_turned(const ChartedSurface& charted, const ElementLayout& layout,
+                                                 const std::vector<double>& turn, const Context& context,
+                                                 bool rough = false);
+
 // The loop of the element in space by flat coordinates, mm; empty if a part of it lies beyond the map. PolarGrid and
 // ElementMap are such maps.
 template <class Map>

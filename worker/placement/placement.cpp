@@ -307,6 +307,25 @@ void take_layout(const InkedSurface& surface, const Drawing& drawing, double sca
         placed(surface, drawing, scale, out.layout.elements[i], out.layout.centres[i], out.laid[i]));
 }
 
+Result<Placement> on_other_face(const ChartedSurface& charted, const Drawing& drawing,
+                                const Placement& placement, double scale, const Context& context) {
+  Placement out = placement;
+  const InkedSurface& surface = charted.surface();
+  std::vector<double> turn;
+  for (std::size_t i = 0; i < out.laid.size(); ++i) {
+    Centre& centre = out.layout.centres[i];
+    const Vector3d& normal = surface.normal(centre.point.triangle);
+    centre.axis = (centre.axis - centre.axis.dot(normal) * normal).normalized();
+    turn.push_back(out.laid[i].turn);
+  }
+  VACUFORM_TRY(laid, lay_turned(charted, out.layout, turn, context));
+  out.laid = std::move(laid);
+  for (std::size_t i = 0; i < out.laid.size(); ++i)
+    out.elements[i] =
+        placed(surface, drawing, scale, out.layout.elements[i], out.layout.centres[i], out.laid[i]);
+  return out;
+}
+
 Placement lay_flat(const ChartedSurface& charted) {
   const InkedSurface& surface = charted.surface();
   const std::vector<int>& region = charted.flattening().triangles;

@@ -65,4 +65,10 @@ Placement lay_flat(const ChartedSurface& charted);
 void take_layout(const InkedSurface& surface, const Drawing& drawing, double scale, ElementLayout layout,
                  std::vector<ElementOnSurface> laid, Placement& placement);
 
+// The same elements on the other face of the sheet: at the same points of the sheet, turned alike, and as large there as
+// they are drawn. `charted` has the triangles of the surface of `placement`. Pairs and figures are those of the first
+// face. Errors: cancelled.
+Result<Placement> on_other_face(const ChartedSurface& charted, const Drawing& drawing,
+                                const Placement& placement, double scale, const Context& context);
+
 }  // namespace vacuform

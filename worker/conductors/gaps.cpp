@@ -1,0 +1,108 @@
+#include "worker/conductors/gaps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "worker/pattern/drawn_loop.hpp"
+
+namespace vacuform {
+
+namespace {
+
+bool is_within(const Eigen::Vector2d& p, const Area& area) {
+  bool inside = false;
+  for (const Ring& ring : area) inside ^= is_inside(p, ring);
+  return inside;
+}
+
+// Where no middle of a gap may lie.
+class Taken {
+ public:
+  Taken(const std::vector<Interval>& blocked, double half, double length) : length_(length) {
+    for (const Interval& b : blocked) add(b, half);
+  }
+  void add(const Interval& blocked, double half) { parts_.push_back({blocked.from - half, blocked.to + half}); }
+
+  // The free place nearest to one, and how far that is; nothing if no place is free.
+  struct Free {
+    double at, moved;
+  };
+  std::optional<Free> nearest(double at) const {
+    if (is_free(at)) return Free{at, 0};
+    constexpr double past = 1e-6;
+    std::optional<Free> best;
+    for (const Interval& part : parts_)
+      for (const double end : {part.from - past, part.to + past})
+        if (const double moved = apart_on_loop(end, at, length_); is_free(end) && (!best || moved < best->moved))
+          best = Free{end, moved};
+    return best;
+  }
+
+ private:
+  bool is_free(double at) const {
+    return std::none_of(parts_.begin(), parts_.end(), [&](const Interval& part) {
+      const double in = at - part.from;
+      return in - length_ * std::floor(in / length_) <= part.length();
+    });
+  }
+
+  const double length_;
+  std::vector<Interval> parts_;
+};
+
+}  // namespace
+
+std::vector<Interval> drawn_gaps(const LoopPath& path, const Area& ink) {
+  constexpr double step = 0.1, least = 0.05;
+  const int count = std::max(8, static_cast<int>(std::ceil(path.length() / step)));
+  const auto along = [&](int i) { return path.length() * i / count; };
+  std::vector<char> inked;
+  for (int i = 0; i < count; ++i) inked.push_back(is_within(path.at(along(i)), ink));
+  const auto border = [&](double in, double off) {
+    for (int i = 0; i < 20; ++i) {
+      const double middle = (in + off) / 2;
+      (is_within(path.at(middle), ink) ? in : off) = middle;
+    }
+    return in;
+  };
+  std::vector<Interval> out;
+  for (int i = 0; i < count; ++i) {
+    if (!inked[static_cast<std::size_t>(i)] || inked[static_cast<std::size_t>((i + 1) % count)]) continue;
+    int end = i + 1;
+    while (!inked[static_cast<std::size_t>(end % count)]) ++end;
+    const Interval gap{border(along(i), along(i + 1)), border(along(end), along(end - 1))};
+    if (gap.length() >= least) out.push_back(gap);
+  }
+  return out;
+}
+
+std::vector<double> places_for_gaps(double length, int count, double half, double port,
+                                    const std::vector<Interval>& blocked) {
+  std::vector<double> best;
+  double least = std::numeric_limits<double>::infinity();
+  constexpr int rotations = 120;
+  const double space = length / count;
+  for (int r = 0; r < rotations; ++r) {
+    // Nearest to the port first, so that of equals the nearest one is taken.
+    const double shift = (r % 2 == 0 ? r / 2 : -(r + 1) / 2) * space / rotations;
+    Taken taken(blocked, half, length);
+    std::vector<double> places;
+    double cost = std::abs(shift) / space;  // a gap that moves by a hundredth of a space counts as much as that
+    for (int i = 0; i < count; ++i) {
+      const auto found = taken.nearest(port + shift + i * space);
+      if (!found) {
+        cost += 1e6;
+        continue;
+      }
+      cost += std::pow(10 * found->moved / space, 2);
+      places.push_back(found->at);
+      taken.add({found->at - half, found->at + half}, half);
+    }
+    if (cost < least) least = cost, best = std::move(places);
+  }
+  return best;
+}
+
+}  // namespace vacuform

@@ -1,0 +1,30 @@
+// Where a loop is interrupted for its capacitors and its port.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "worker/conductors/loop_path.hpp"
+#include "worker/pattern/area.hpp"
+
+namespace vacuform {
+
+// Lengths along the loop in the drawing, mm; from < to, and `to` may lie beyond the loop's length.
+struct Interval {
+  double from = 0, to = 0;
+  double middle() const { return (from + to) / 2; }
+  double length() const { return to - from; }
+};
+
+// The gaps that a drawing leaves in the trace of a loop, by their beginnings: where the middle of the trace has no ink.
+// `ink` is all ink of the element. Shorter ones than 0.05 mm do not count.
+std::vector<Interval> drawn_gaps(const LoopPath& path, const Area& ink);
+
+// `count` places for gaps, each as far from the middle of its gap as `half` to both sides: equally spaced, the first at
+// `port` as nearly as possible. None meets the blocked intervals: where equal spaces do not allow it, a gap is moved by
+// as little as possible. The result begins with the port and goes round. Fewer than `count`: the rest has no place.
+// Deterministic; O(n) in the blocked intervals for each of 120 rotations and each gap.
+std::vector<double> places_for_gaps(double length, int count, double half, double port,
+                                    const std::vector<Interval>& blocked);
+
+}  // namespace vacuform
