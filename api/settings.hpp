@@ -155,9 +155,9 @@ struct CoilSettings {
   double stretch_limit = 0.2;  // of a trace, at which its ink fails
   // What parts loops that cross: nothing, the two faces of the sheet with bridges where these do not suffice, or bridges.
   CoilBuild build = CoilBuild::single;
-  double patch_margin_mm = 1;    // of the dielectric beyond the conductors that it parts
-  double bridge_overlap_mm = 2;  // of a bridge on each end of the loop below it
-  double clearance_mm = 0.5;     // least distance of conductors of different loops
+  double patch_margin_mm = 0.5;    // of the dielectric beyond the conductors that it parts
+  double bridge_overlap_mm = 1.5;  // of a bridge on each end of the loop below it
+  double clearance_mm = 0.5;       // least distance of conductors of different loops
   int gaps = 0;  // for capacitors in each loop without drawn ones, one of them the port; 0: none
   CapacitorCase capacitor = CapacitorCase::c0805;
   double gap_mm = 1, pad_length_mm = 1,

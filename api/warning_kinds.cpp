@@ -8,6 +8,12 @@ namespace vacuform {
 namespace {
 
 constexpr WarningKind kinds[] = {
+    {"bridges-crowded", Severity::serious,
+     "Crossings lie so close on a loop that a bridge ends on the dielectric patch of the next one: the loop "
+     "is not joined "
+     "there.",
+     "Set a smaller coils.bridge_overlap_mm or coils.patch_margin_mm, or coils.build=two_faces, or draw "
+     "larger loops."},
     {"clamp-narrow", Severity::warning,
      "The clamp frame holds only a narrow border of the sheet, which may slip.",
      "Use a larger sheet or a smaller window."},
@@ -23,6 +29,9 @@ constexpr WarningKind kinds[] = {
     {"coil-out-of-shape", Severity::warning,
      "Coils on the head come out farther from their own drawn shape than 0.5 % of their diameter.",
      "Move the coil to a smoother place, use a finer sheet.resolution_mm, or pattern.placement=elements."},
+    {"coils-close", Severity::warning,
+     "Conductors of different loops come nearer to each other on the part than coils.clearance_mm.",
+     "Move the loops apart, or set a coils.clearance_mm that the ink and the printer keep."},
     {"coils-coupled", Severity::warning,
      "Neighbours on the head couple by 0.01 or more, or other coils by 0.03 or more. Without coils.decouple "
      "the fix "
@@ -34,6 +43,14 @@ constexpr WarningKind kinds[] = {
     {"coils-not-decoupled", Severity::serious,
      "coils.decouple is set, and the drawing has more loops than are decoupled.",
      "Draw fewer loops, or set coils.decouple=false."},
+    {"coils-open", Severity::serious,
+     "A loop is interrupted where there is no capacitor: its ink ends, or a bridge does not reach it.",
+     "Move the drawing onto the part, or set smaller coils.bridge_overlap_mm and coils.patch_margin_mm."},
+    {"coils-short", Severity::serious,
+     "Loops are joined by ink: a short circuit, and not an array. Traces that cross on one layer of ink are "
+     "joined where "
+     "they cross.",
+     "Set coils.build=bridges or coils.build=two_faces, or take out the lines that join them."},
     {"coils-spacing", Severity::note,
      "Distances of neighbouring coils on the head differ from the drawing by more than 2 mm RMS. The "
      "figure is the one of the report's table.",
@@ -61,6 +78,9 @@ constexpr WarningKind kinds[] = {
     {"flattening-overlaps", Severity::warning,
      "The chart covers parts of the drawing twice. They are printed twice.",
      "Use pattern.placement=segments, or keep ink away from the foot of the mold."},
+    {"gaps-left-out", Severity::serious,
+     "Gaps for capacitors have no room between the crossings of their loop, and were left out.",
+     "Set fewer coils.gaps, a smaller coils.capacitor, or coils.build=two_faces."},
     {"half-steps", Severity::note,
      "In the usual steps of frame and vacuum the simulated sheet failed or tore. It was formed in half "
      "of them.",

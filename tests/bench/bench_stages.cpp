@@ -93,7 +93,7 @@ class Bench {
                          .layers = {{.name = "print", .source = std::move(source)}}},
                         context);
     });
-    rows.back().made = count(print.top().files.png.size() / 1024, "KiB of print.png");
+    rows.back().made = count(print.main().files.png.size() / 1024, "KiB of print.png");
 
     Finished finished{.settings = settings,
                       .mold = mold,

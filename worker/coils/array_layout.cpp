@@ -29,7 +29,7 @@ Element ring(const std::string& id, const Vector2d& centre, double radius) {
   Shape shape;
   shape.curves.push_back(circle(centre, radius));
   shape.stroke = Stroke{};
-  shape.stroke->width_mm = loop_trace_mm;
+  shape.stroke->width_mm = loop_trace_mm(radius);
   return one_element(id, {std::move(shape)});
 }
 
@@ -40,8 +40,8 @@ Drawing drawing_of(const ElementLayout& layout, const std::vector<Vector2d>& pic
   for (std::size_t i = 0; i < picture.size(); ++i) {
     const double radius = layout.elements[i].size * layout.elements[i].outline.radius_mm;
     out.elements.push_back(ring(id_of(i), picture[i], radius));
-    out.size_mm =
-        out.size_mm.cwiseMax(2 * (picture[i].cwiseAbs() + Vector2d::Constant(radius + loop_trace_mm)));
+    out.size_mm = out.size_mm.cwiseMax(
+        2 * (picture[i].cwiseAbs() + Vector2d::Constant(radius + loop_trace_mm(radius))));
   }
   return out;
 }
@@ -133,7 +133,7 @@ Result<std::vector<Arrangement>> arrangements(const ChartedSurface& charted, con
     std::vector<Arrangement> found(starts.size());
     in_parallel(0, static_cast<int>(starts.size()), [&](int first, int last) {
       for (std::size_t i = index(first); i < index(last); ++i)
-        found[i] = relaxation.relaxed(std::move(starts[i]), radius, loop_trace_mm, about);
+        found[i] = relaxation.relaxed(std::move(starts[i]), radius, loop_trace_mm(radius), about);
     });
     out.push_back(best_of(found));
     const bool likely = out.back().is_whole() && out.back().rms <= likely_rms;

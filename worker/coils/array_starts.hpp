@@ -1,6 +1,8 @@
 // Where the loops of an array may begin: spread evenly over a region of the chart, or at the nodes of a lattice.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "api/settings.hpp"
@@ -9,7 +11,10 @@
 
 namespace vacuform {
 
-inline constexpr double loop_trace_mm = 3;  // line width of the loops
+// The width of the line of a loop: 3 mm, less for small loops, so that bridges and gaps have room between its crossings.
+inline double loop_trace_mm(double radius_mm) {
+  return std::clamp(std::floor(radius_mm / 0.9) / 10, 1.0, 3.0);
+}
 inline constexpr double critical =
     0.75;  // spacing over diameter that decouples: 0.758 on a plane, 0.736 on a small head
 

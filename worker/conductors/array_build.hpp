@@ -7,12 +7,10 @@
 
 #include "worker/conductors/bridges.hpp"
 #include "worker/conductors/gaps.hpp"
+#include "worker/conductors/print_step.hpp"
 #include "worker/placement/placement.hpp"
 
 namespace vacuform {
-
-// The steps of printing a face, in their order.
-enum class PrintStep { conductor, dielectric, bridges };
 
 // A part of a drawing that is printed in one step. Its elements are those of the drawing, in their order; those without ink
 // in it have no shapes.
@@ -35,11 +33,11 @@ struct ArrayBuild {
   std::vector<int> faces;  // by Drawing::elements: 0 or 1
   // The placement with every element on the inked surface of the second face; nothing if no element lies there.
   std::optional<Placement> reverse;
-  std::vector<BuiltLayer> layers;   // face by face, in the order of printing; the first has step conductor and face 0
-  std::vector<Crossing> crossings;  // of loops on one face
-  std::vector<Bridge> bridges;      // one for each of them; none with coils.build=single
-  std::vector<LoopGap> gaps;        // by coil
-  // "coils-short": loops cross and nothing parts them; "bridges-crowded"; "gaps-left-out"
+  std::vector<BuiltLayer>
+      layers;  // face by face, in the order of printing; the first has step conductor and face 0
+  std::vector<Bridge> bridges;  // one where loops on one face cross; none with coils.build=single
+  std::vector<LoopGap> gaps;    // by coil
+  // "bridges-crowded", "gaps-left-out"
   std::vector<Warning> warnings;
 
   const Placement& placement(int face, const Placement& first) const { return face == 0 ? first : *reverse; }
@@ -48,7 +46,8 @@ struct ArrayBuild {
 // What `placement` places of `drawing`, built as settings.coils asks. `reverse`: the other face of the same sheet, with the
 // same triangles. What is no loop stays as it is, on the first face, or that of the coil it follows. Deterministic.
 // Errors: cancelled.
-Result<ArrayBuild> build_array(const Drawing& drawing, const Placement& placement, const ChartedSurface& reverse,
-                               const Settings& settings, const Context& context);
+Result<ArrayBuild> build_array(const Drawing& drawing, const Placement& placement,
+                               const ChartedSurface& reverse, const Settings& settings,
+                               const Context& context);
 
 }  // namespace vacuform

@@ -1,46 +1,53 @@
 #include "worker/conductors/bridges.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "worker/conductors/loop_path.hpp"
 #include "worker/stage/index.hpp"
+#include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 
 namespace {
 
-Bridge bridge_of(const Crossing& crossing, bool a_over, const std::vector<TraceOnPart>& traces,
-                 const BridgeSizes& sizes) {
+using TraceOf = std::function<const Trace&(int)>;
+
+Bridge bridge_of(const Crossing& crossing, bool a_over, const TraceOf& trace_of, const BridgeSizes& sizes) {
   Bridge out{.crossing = crossing, .a_over = a_over};
-  const TraceOnPart &over = traces[index(out.over())], &under = traces[index(out.under())];
-  // A trace that crosses at an angle is longer across the other, and its edges are askew.
-  const double sine = crossing.sine, slant = std::sqrt(std::max(0.0, 1 - sine * sine)) / sine;
-  const auto across = [&](const TraceOnPart& other, double beyond, const TraceOnPart& own) {
-    return ((other.width_mm / 2 + beyond) / sine + own.width_mm / 2 * slant) / own.scale;
+  const Trace &over = trace_of(out.over()), &under = trace_of(out.under());
+  const auto along_over = [&](double beyond) {
+    return over.clear_of(out.along_over(), under, out.along_under(), beyond);
   };
-  out.cut = across(under, sizes.clearance, over);
-  out.reach = std::max(out.cut, across(under, sizes.margin, over)) + sizes.overlap / over.scale;
-  out.patch = across(over, sizes.margin, under);
+  constexpr double tolerance_mm = 0.05;  // of the steps of this search, and of curves on the sheet
+  out.cut = along_over(sizes.clearance + tolerance_mm);
+  out.reach = std::max(out.cut, along_over(sizes.margin)) + sizes.overlap / over.scale();
+  out.patch = under.clear_of(out.along_under(), over, out.along_over(), sizes.margin);
   return out;
 }
 
 // The two choices at each crossing, and the crossings along each loop.
 class Choice {
  public:
-  Choice(const std::vector<Crossing>& crossings, const std::vector<TraceOnPart>& traces, const BridgeSizes& sizes)
-      : traces_(traces), on_loop_(traces.size()), chosen_(crossings.size(), 0) {
-    for (const Crossing& crossing : crossings)
-      choices_.push_back({bridge_of(crossing, false, traces, sizes), bridge_of(crossing, true, traces, sizes)});
+  Choice(const std::vector<Crossing>& crossings, const TraceOf& trace_of, const BridgeSizes& sizes)
+      : choices_(crossings.size()), chosen_(crossings.size(), 0) {
+    in_parallel(0, static_cast<int>(crossings.size()), [&](int first, int last) {
+      for (int i = first; i < last; ++i)
+        choices_[index(i)] = {bridge_of(crossings[index(i)], false, trace_of, sizes),
+                              bridge_of(crossings[index(i)], true, trace_of, sizes)};
+    });
     for (std::size_t i = 0; i < crossings.size(); ++i) {
       const Crossing& c = crossings[i];
-      on_loop_[index(c.a)].push_back({c.along_a, i, true});
-      on_loop_[index(c.b)].push_back({c.along_b, i, false});
-      longest_ = std::max({longest_, choices_[i][0].reach, choices_[i][1].reach, choices_[i][0].patch,
-                           choices_[i][1].patch});
+      for (const int loop : {c.a, c.b}) on_loop_[loop].length = trace_of(loop).path().length();
+      on_loop_[c.a].places.push_back({c.along_a, i, true});
+      on_loop_[c.b].places.push_back({c.along_b, i, false});
+      longest_ = std::max(
+          {longest_, choices_[i][0].reach, choices_[i][1].reach, choices_[i][0].patch, choices_[i][1].patch});
     }
-    for (auto& places : on_loop_)
-      std::sort(places.begin(), places.end(), [](const Place& x, const Place& y) {
+    for (auto& [loop, held] : on_loop_)
+      std::sort(held.places.begin(), held.places.end(), [](const Place& x, const Place& y) {
         return std::pair(x.along, x.crossing) < std::pair(y.along, y.crossing);
       });
   }
@@ -65,8 +72,7 @@ class Choice {
     return over(place) ? chosen(place.crossing).reach : chosen(place.crossing).patch;
   }
   int crowded(int loop, const Place& place) const {
-    const std::vector<Place>& places = on_loop_[index(loop)];
-    const double length = traces_[index(loop)].length;
+    const auto& [places, length] = on_loop_.at(loop);
     int count = 0;
     const auto look = [&](double from, double to) {
       auto at = std::lower_bound(places.begin(), places.end(), from,
@@ -83,8 +89,11 @@ class Choice {
     return count;
   }
 
-  const std::vector<TraceOnPart>& traces_;
-  std::vector<std::vector<Place>> on_loop_;
+  struct OnLoop {
+    std::vector<Place> places;
+    double length = 0;
+  };
+  std::map<int, OnLoop> on_loop_;
   std::vector<std::array<Bridge, 2>> choices_;
   std::vector<std::size_t> chosen_;
   double longest_ = 0;
@@ -92,9 +101,9 @@ class Choice {
 
 }  // namespace
 
-Bridges choose_bridges(const std::vector<Crossing>& crossings, const std::vector<TraceOnPart>& traces,
+Bridges choose_bridges(const std::vector<Crossing>& crossings, const TraceOf& trace_of,
                        const BridgeSizes& sizes) {
-  Choice choice(crossings, traces, sizes);
+  Choice choice(crossings, trace_of, sizes);
   constexpr int most_rounds = 50;
   bool better = true;
   for (int round = 0; better && round < most_rounds; ++round) {

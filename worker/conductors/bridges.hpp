@@ -4,24 +4,19 @@
 // bridge of a second conductor over the patch joins its ends.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "worker/conductors/crossings.hpp"
+#include "worker/conductors/trace.hpp"
 
 namespace vacuform {
 
 // Millimetres on the formed part.
 struct BridgeSizes {
-  double margin = 1;       // of the patch beyond both conductors
-  double overlap = 2;      // of the bridge on each end of the loop below it
+  double margin = 0.5;     // of the patch beyond both conductors
+  double overlap = 1.5;    // of the bridge on each end of the loop below it
   double clearance = 0.5;  // least distance of conductors of different loops
-};
-
-// A loop as it lies on the part.
-struct TraceOnPart {
-  double width_mm = 0;  // on the part
-  double scale = 1;     // mm on the part for one in the drawing, along the loop
-  double length = 0;    // in the drawing
 };
 
 // Lengths along the loops in the drawing, mm, to each side of the crossing.
@@ -38,14 +33,14 @@ struct Bridge {
   double along_under() const { return a_over ? crossing.along_b : crossing.along_a; }
 };
 
-// For each crossing, in their order. `traces` by Drawing::elements. The end of a bridge must lie on its loop and not on
-// the patch of another crossing: of all choices that change one crossing at a time none leaves fewer of these.
-// `crowded` counts those that are left. Deterministic; O(n log n) in the crossings of a loop for each round, at most 50.
+// For each crossing, in their order. `trace_of` gives the loop of an element. The end of a bridge must lie on its loop and
+// not on the patch of another crossing: no change of a single choice leaves fewer that do not. `crowded` counts those that
+// are left. Deterministic; O(n log n) in the crossings of a loop for each round, at most 50.
 struct Bridges {
   std::vector<Bridge> bridges;
   int crowded = 0;
 };
-Bridges choose_bridges(const std::vector<Crossing>& crossings, const std::vector<TraceOnPart>& traces,
-                       const BridgeSizes& sizes);
+Bridges choose_bridges(const std::vector<Crossing>& crossings,
+                       const std::function<const Trace&(int)>& trace_of, const BridgeSizes& sizes);
 
 }  // namespace vacuform

@@ -19,11 +19,11 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double step_mm = 0.5;  // of points along a loop: a chord lies within 0.002 mm of a circle of 16 mm
+constexpr double piece_mm = 0.5;  // of points along a loop: a chord lies within 0.002 mm of a circle of 16 mm
 
 // A piece of a loop between two of its points.
 struct Piece {
-  int coil = 0;  // index into Drawing::elements
+  int coil = 0;             // index into Drawing::elements
   double from = 0, to = 0;  // along the loop
   Vector2d a, b;            // sheet coordinates
   Vector3d p, q;            // in space
@@ -32,7 +32,7 @@ struct Piece {
 // The loop as a patch lays it; pieces that run off the patch are left out.
 void add_pieces(const LoopPath& path, const Patch& patch, const PlaneLocator& locator, int coil,
                 std::vector<Piece>& out) {
-  const int count = std::max(3, static_cast<int>(std::ceil(path.length() / step_mm)));
+  const int count = std::max(3, static_cast<int>(std::ceil(path.length() / piece_mm)));
   std::optional<std::pair<Vector2d, Vector3d>> before;
   for (int i = 0; i <= count; ++i) {
     const double along = path.length() * i / count;
@@ -61,7 +61,8 @@ std::vector<Piece> pieces_of_loops(const Drawing& drawing, const Placement& plac
       const PlaneLocator locator(chart.patch.triangles, chart.patch.uv);
       for (std::size_t e = 0; e < of_loop.size(); ++e)
         if (has_loop(e))
-          add_pieces(LoopPath(*drawing.elements[e].loop), chart.patch, locator, static_cast<int>(e), of_loop[e]);
+          add_pieces(LoopPath(*drawing.elements[e].loop), chart.patch, locator, static_cast<int>(e),
+                     of_loop[e]);
     }
   } else {
     in_parallel(0, static_cast<int>(placement.elements.size()), [&](int first, int last) {
@@ -109,7 +110,8 @@ class Squares {
   static void each(const Piece& piece, const Use& use) {
     const Vector2d low = piece.a.cwiseMin(piece.b) / size_mm, high = piece.a.cwiseMax(piece.b) / size_mm;
     for (auto x = static_cast<std::int64_t>(std::floor(low.x())); x <= std::floor(high.x()); ++x)
-      for (auto y = static_cast<std::int64_t>(std::floor(low.y())); y <= std::floor(high.y()); ++y) use(Square(x, y));
+      for (auto y = static_cast<std::int64_t>(std::floor(low.y())); y <= std::floor(high.y()); ++y)
+        use(Square(x, y));
   }
 
  private:

@@ -95,7 +95,8 @@ std::vector<int> choose_faces(int count, const std::vector<Crossing>& crossings)
   return graph.faces();
 }
 
-std::vector<Crossing> crossings_on(int face, const std::vector<int>& faces, const std::vector<Crossing>& crossings) {
+std::vector<Crossing> crossings_on(int face, const std::vector<int>& faces,
+                                   const std::vector<Crossing>& crossings) {
   std::vector<Crossing> out;
   for (const Crossing& c : crossings)
     if (faces[index(c.a)] == face && faces[index(c.b)] == face) out.push_back(c);

@@ -13,6 +13,7 @@ namespace vacuform {
 std::vector<int> choose_faces(int count, const std::vector<Crossing>& crossings);
 
 // Those whose loops lie on that face.
-std::vector<Crossing> crossings_on(int face, const std::vector<int>& faces, const std::vector<Crossing>& crossings);
+std::vector<Crossing> crossings_on(int face, const std::vector<int>& faces,
+                                   const std::vector<Crossing>& crossings);
 
 }  // namespace vacuform

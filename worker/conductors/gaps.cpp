@@ -23,7 +23,9 @@ class Taken {
   Taken(const std::vector<Interval>& blocked, double half, double length) : length_(length) {
     for (const Interval& b : blocked) add(b, half);
   }
-  void add(const Interval& blocked, double half) { parts_.push_back({blocked.from - half, blocked.to + half}); }
+  void add(const Interval& blocked, double half) {
+    parts_.push_back({blocked.from - half, blocked.to + half});
+  }
 
   // The free place nearest to one, and how far that is; nothing if no place is free.
   struct Free {
@@ -35,7 +37,8 @@ class Taken {
     std::optional<Free> best;
     for (const Interval& part : parts_)
       for (const double end : {part.from - past, part.to + past})
-        if (const double moved = apart_on_loop(end, at, length_); is_free(end) && (!best || moved < best->moved))
+        if (const double moved = apart_on_loop(end, at, length_);
+            is_free(end) && (!best || moved < best->moved))
           best = Free{end, moved};
     return best;
   }
@@ -89,7 +92,8 @@ std::vector<double> places_for_gaps(double length, int count, double half, doubl
     const double shift = (r % 2 == 0 ? r / 2 : -(r + 1) / 2) * space / rotations;
     Taken taken(blocked, half, length);
     std::vector<double> places;
-    double cost = std::abs(shift) / space;  // a gap that moves by a hundredth of a space counts as much as that
+    double cost =
+        std::abs(shift) / space;  // a gap that moves by a hundredth of a space counts as much as that
     for (int i = 0; i < count; ++i) {
       const auto found = taken.nearest(port + shift + i * space);
       if (!found) {

@@ -89,9 +89,10 @@ std::vector<Shape> interrupted(const std::vector<Shape>& shapes, const Area& rem
   std::vector<Shape> out;
   for (const Shape& shape : shapes) {
     if (shape.fill)
-      out.push_back({.curves = outlines(difference(fill_area(shape.curves, shape.even_odd, tolerance_mm), removed)),
-                     .fill = shape.fill,
-                     .stroke = {}});
+      out.push_back(
+          {.curves = outlines(difference(fill_area(shape.curves, shape.even_odd, tolerance_mm), removed)),
+           .fill = shape.fill,
+           .stroke = {}});
     if (shape.stroke) add_stroke(shape, removed, out);
   }
   return out;

@@ -28,7 +28,8 @@ Vector2d LoopPath::at(double along) const {
   const double x = round(along);
   const std::size_t i = piece(x);
   const double long_ = along_[i + 1] - along_[i];
-  return long_ > 0 ? Vector2d(points_[i] + (x - along_[i]) / long_ * (points_[i + 1] - points_[i])) : points_[i];
+  return long_ > 0 ? Vector2d(points_[i] + (x - along_[i]) / long_ * (points_[i + 1] - points_[i]))
+                   : points_[i];
 }
 
 Curve LoopPath::part(double from, double to) const {

@@ -15,4 +15,8 @@ std::vector<Eigen::Vector3d> inked_positions(const FormedSheet& sheet, InkedFace
 // The same as the surface that all later stages work on.
 InkedSurface inked_surface(const FormedSheet& sheet, InkedFace face);
 
+constexpr InkedFace other_face(InkedFace face) {
+  return face == InkedFace::outer ? InkedFace::inner : InkedFace::outer;
+}
+
 }  // namespace vacuform

@@ -15,7 +15,7 @@ namespace vacuform {
 
 bool in_black(const Print& print) {
   return std::all_of(print.layers.begin(), print.layers.end(),
-                     [](const Layer& layer) { return layer.source->black(); });
+                     [](const Layer& layer) { return layer.source->black() && !layer.step; });
 }
 
 bool makes(const Finished& job, const ArtifactKind& kind) {

@@ -67,7 +67,7 @@ struct FormedLoops {
   std::vector<double> pairs_mm;       // geodesic distances of the centres; NaN where a loop is missing
 };
 
-Result<Both<FormedLoops>> measure_loops(const MeasuredSheet& sheet, const std::vector<CoilLoops>& coils,
+Result<Both<FormedLoops>> measure_loops(const MeasuredFaces& sheets, const std::vector<CoilLoops>& coils,
                                         const std::vector<NeighbourLoops>& pairs, CoilKeep keep,
                                         const Context& context) {
   Both<FormedLoops> out;
@@ -84,6 +84,7 @@ Result<Both<FormedLoops>> measure_loops(const MeasuredSheet& sheet, const std::v
     for (const Way way : both_ways) {
       const FlatLoop& loop = coils[i][way];
       if (loop.line.empty()) continue;
+      const MeasuredSheet& sheet = way == Way::with && coils[i].reverse ? *sheets.reverse : sheets.first;
       auto& figures = out[way].loops[i] = measure_loop(sheet, loop.line, loop.near, keep);
       if (!figures) continue;
       std::vector<Vector2d> drawn = coils[i].drawn;
@@ -94,7 +95,7 @@ Result<Both<FormedLoops>> measure_loops(const MeasuredSheet& sheet, const std::v
   VACUFORM_CHECK(in_batches(pairs.size(), 4, Stage::inspection, of_pairs.context(), [&](std::size_t i) {
     for (const Way way : both_ways) {
       const auto &a = out[way].loops[index(pairs[i].a)], &b = out[way].loops[index(pairs[i].b)];
-      if (a && b) out[way].pairs_mm[i] = geodesic_distance(sheet, a->centre_rest, b->centre_rest);
+      if (a && b) out[way].pairs_mm[i] = geodesic_distance(sheets.first, a->centre_rest, b->centre_rest);
     }
   }));
   return out;
@@ -186,7 +187,7 @@ CoilSummary summary_of(const CoilTable& table, const FormedLoops& formed, Way wa
 
 std::vector<CoilLoops> coil_loops(const Drawing& drawing, const Placement& placement,
                                   const VectorPrint& print, const Flattening& flattening,
-                                  const Alignment& alignment) {
+                                  const Alignment& alignment, const std::vector<int>& faces) {
   const auto plain = [&](const Vector2d& uv) -> Vector2d {
     return flattening.top_rest + alignment.chart(uv);
   };
@@ -198,6 +199,7 @@ std::vector<CoilLoops> coil_loops(const Drawing& drawing, const Placement& place
     const PlaneLoopFigures flat = measure_plane_loop(drawn->line);
     CoilLoops coil;
     coil.id = element.id;
+    coil.reverse = i < faces.size() && faces[i] == 1;
     coil.drawn_centre = alignment.scale * flat.centre;
     coil.drawn_diameter_mm = alignment.scale * flat.diameter_mm;
     coil.drawn_area_mm2 = alignment.scale * alignment.scale * flat.area_mm2;
@@ -250,7 +252,7 @@ std::vector<NeighbourLoops> neighbours(const std::vector<CoilLoops>& coils, cons
   return out;
 }
 
-Result<CoilTable> measure_coils(const MeasuredSheet& sheet, const std::vector<CoilLoops>& loops,
+Result<CoilTable> measure_coils(const MeasuredFaces& sheet, const std::vector<CoilLoops>& loops,
                                 const std::vector<NeighbourLoops>& pairs, std::optional<CoilKeep> keep,
                                 const Context& context) {
   VACUFORM_TRY(formed, measure_loops(sheet, loops, pairs, keep.value_or(CoilKeep::area), context));
@@ -273,7 +275,7 @@ Result<CoilTable> measure_coils(const MeasuredSheet& sheet, const std::vector<Co
       if (const double mm = formed[way].pairs_mm[i]; std::isfinite(mm))
         row[way] = pair_figures(pairs[i], loops, formed[way], table.k[way], mm);
   }
-  for (const Way way : both_ways) table[way] = summary_of(table, formed[way], way, sheet);
+  for (const Way way : both_ways) table[way] = summary_of(table, formed[way], way, sheet.first);
   return table;
 }
 

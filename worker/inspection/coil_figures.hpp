@@ -35,14 +35,15 @@ struct CoilLoops : Both<FlatLoop> {
   double moved_mm = 0;                 // by the placement, from where the chart puts it
   double trace_mm = 0;                 // width of the line once formed
   bool smooth = true;                  // see PlacedElement
+  bool reverse = false;                // `with` lies on the other face
 };
 
-// The coils of the drawing, in its order: `with` from the print, `without` from the drawing laid flat on the sheet. The
+// The coils of the drawing, in its order, on the `faces` of its elements (1: the other one): `with` from the print, `without` from the drawing laid flat on the sheet. The
 // centre of the flat drawing is on the point of the sheet that lands on the top of the mold, and the settings rotate
 // and move it.
 std::vector<CoilLoops> coil_loops(const Drawing& drawing, const Placement& placement,
                                   const VectorPrint& print, const Flattening& flattening,
-                                  const Alignment& alignment);
+                                  const Alignment& alignment, const std::vector<int>& faces = {});
 
 struct NeighbourLoops {
   int a = 0, b = 0;                // indices into the coils, a < b
@@ -110,6 +111,11 @@ struct CoilSummary {
 };
 
 class MeasuredSheet;
+// The inked face, and the other one if coils lie there.
+struct MeasuredFaces {
+  const MeasuredSheet& first;
+  const MeasuredSheet* reverse = nullptr;
+};
 
 // All coils, with the summary of each way.
 struct CoilTable : Both<CoilSummary> {
@@ -124,7 +130,7 @@ struct CoilTable : Both<CoilSummary> {
 
 // Geodesics are exact on the triangles of the sheet (exact_geodesics.hpp). Deterministic for any number of threads.
 // Errors: cancelled.
-Result<CoilTable> measure_coils(const MeasuredSheet& sheet, const std::vector<CoilLoops>& loops,
+Result<CoilTable> measure_coils(const MeasuredFaces& sheet, const std::vector<CoilLoops>& loops,
                                 const std::vector<NeighbourLoops>& pairs, std::optional<CoilKeep> keep,
                                 const Context& context);
 }  // namespace vacuform

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "worker/conductors/electrical_check.hpp"
 #include "worker/inspection/both.hpp"
 #include "worker/inspection/coil_figures.hpp"
 #include "worker/inspection/stretched_traces.hpp"
@@ -97,8 +98,9 @@ struct Figures : Both<WayFigures> {
   // Least thickness of the sheet and of its part on the chart, mm. Pieces below a quarter of a cell of the grid, into which
   // the sheet is divided where it bends, do not count: their share of the plastic is chance.
   double least_thickness = 0, chart_least_thickness = 0;
-  std::optional<Measured> measured;    // of a vector print
-  std::optional<ColourErrors> errors;  // of the colours of a scan, if they are printed
+  std::optional<Measured> measured;         // of a vector print
+  std::optional<ElectricalCheck> circuits;  // of its loops
+  std::optional<ColourErrors> errors;       // of the colours of a scan, if they are printed
 };
 
 }  // namespace vacuform

@@ -144,7 +144,7 @@ Picture print_preview(const Finished& job, const SheetPicture& print, int side) 
   const Frame frame(size, side);
   const double blur = 0.6 / frame.pixels_per_mm;
   const PlaneLocator chart(job.sheet.triangles, job.sheet.rest, job.flattening.triangles);
-  const bool mirrored = job.print.top().mirrored();
+  const bool mirrored = job.print.main().mirrored();
   const bool gray = in_black(job.print);
   Picture picture =
       painted(frame, side, [&](const Vector2d& start, const Vector2d& step, std::span<Rgb> out) {
@@ -161,7 +161,7 @@ Picture print_preview(const Finished& job, const SheetPicture& print, int side) 
          decimal(size.x(), 0) + " × " + decimal(size.y(), 0) + " mm, " + face,
          {},
          // The colours of a scan cover what lies on the mold.
-         std::string(job.print.top().source->colours() ? "" : "Blue: comes to lie on the mold. ") +
+         std::string(job.print.main().source->colours() ? "" : "Blue: comes to lie on the mold. ") +
              "Dashed: the window of the clamp frame."},
         picture);
   Canvas canvas(picture);

@@ -51,7 +51,7 @@ GltfJson attributes(const Finished& job, const Unfolded& all, const std::vector<
 
 // Whether the formed part shows what print.png shows: nothing lies below it, and no ink in it makes up for the stretch.
 bool looks_as_printed(const Print& print) {
-  const PrintedColours* const colours = print.top().source->colours();
+  const PrintedColours* const colours = print.main().source->colours();
   return print.layers.size() == 1 && !(colours && colours->ink);
 }
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "worker/conductors/array_build.hpp"
 #include "worker/forming/heat/sheet_temperature.hpp"
 #include "worker/inspection/figures.hpp"
 #include "worker/placement/length_errors.hpp"
@@ -21,8 +22,10 @@ namespace vacuform {
 struct PrintedDrawing {
   const Drawing& drawing;
   const Placement& placement;
-  const VectorPrint& vectors;
-  const Alignment& alignment;  // as drawn on the flat sheet
+  const VectorPrint& vectors;               // all conductors, of both faces
+  const Alignment& alignment;               // as drawn on the flat sheet
+  const ChartedSurface* reverse = nullptr;  // the other face, if coils lie there
+  std::vector<int> faces = {};              // by the elements of the drawing; 1: on the other face
 };
 // Errors: cancelled.
 Result<Measured> measure(const ChartedSurface& charted, const PrintedDrawing& printed,
@@ -35,11 +38,12 @@ struct Finished {
   const FormedSheet& sheet;
   const InkedSurface& surface;
   const Flattening& flattening;
-  const Pattern& pattern;      // what the top layer of the print shows, as drawn
+  const Pattern& pattern;      // what the main layer of the print shows, as drawn
   const Placement& placement;  // of the pattern
   const Print& print;
-  const Drawing* placed = nullptr;  // what was placed element by element; null: nothing
-  LengthErrors lengths = {};        // of the pattern on the formed part
+  const Drawing* placed = nullptr;    // what was placed element by element; null: nothing
+  const ArrayBuild* build = nullptr;  // of a vector drawing with loops
+  LengthErrors lengths = {};          // of the pattern on the formed part
   HeatSummary heat = {};
   Alignment alignment = {};  // of the pattern as drawn on the flat sheet (align_flat())
   std::string label = {};    // of the print, as its marks show it

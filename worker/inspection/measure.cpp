@@ -21,12 +21,15 @@ std::optional<Both<Distortion>> distortion_of_elements(const Placement& placemen
 
 Result<Measured> measure(const ChartedSurface& charted, const PrintedDrawing& printed,
                          const CoilSettings& settings, const Context& context) {
-  const auto& [drawing, placement, vectors, alignment] = printed;
+  const auto& [drawing, placement, vectors, alignment, other, faces] = printed;
   const std::vector<CoilLoops> loops =
-      coil_loops(drawing, placement, vectors, charted.flattening(), alignment);
+      coil_loops(drawing, placement, vectors, charted.flattening(), alignment, faces);
   const MeasuredSheet sheet(charted);
+  std::optional<MeasuredSheet> reverse;
+  if (other) reverse.emplace(*other);
   const auto keep = placement.elements.empty() ? std::nullopt : std::optional(settings.keep);
-  VACUFORM_TRY(coils, measure_coils(sheet, loops, neighbours(loops, placement, drawing), keep, context));
+  VACUFORM_TRY(coils, measure_coils({sheet, reverse ? &*reverse : nullptr}, loops,
+                                    neighbours(loops, placement, drawing), keep, context));
   Measured measured{std::move(coils), measure_traces(sheet, vectors, settings.stretch_limit),
                     distortion_of_elements(placement, alignment.scale)};
   measured.warnings = coil_warnings(measured.coils, settings.decouple);

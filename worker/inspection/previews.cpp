@@ -38,7 +38,7 @@ std::string figures_of(const Finished& job, Way way) {
                                                     : figures_of(job.figures[way].chart);
 }
 std::string ink_note(const Finished& job) {
-  const Layer& top = job.print.top();
+  const Layer& top = job.print.main();
   const PrintedColours* const colours = top.source->colours();
   return colours ? colours_caption(colours->on_sheet.area().faded_share())
                  : ink_caption(top.ink_printed, top.ink_on_head);

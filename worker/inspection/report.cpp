@@ -6,6 +6,7 @@
 #include "worker/colour/ink_curve.hpp"
 #include "worker/colour/sheet_colours.hpp"
 #include "worker/forming/material.hpp"
+#include "worker/inspection/circuits_json.hpp"
 #include "worker/inspection/coil_json.hpp"
 #include "worker/inspection/heat_maps.hpp"
 #include "worker/inspection/inspection.hpp"
@@ -125,8 +126,8 @@ Json pattern_of(const Finished& job) {
               {"size_pixels", {job.pattern.size_pixels().x(), job.pattern.size_pixels().y()}},
               {"grayscale", job.pattern.grayscale()},
               {"ink_area_mm2", rounded(job.pattern.ink_mm2(), 2)},
-              {"ink_printed", rounded(job.print.top().ink_printed, 5)},
-              {"ink_on_head", rounded(job.print.top().ink_on_head, 5)}};
+              {"ink_printed", rounded(job.print.main().ink_printed, 5)},
+              {"ink_on_head", rounded(job.print.main().ink_on_head, 5)}};
   if (const LengthErrors& lengths = job.lengths; !lengths.pieces.empty())
     out["lengths"] = {{"mean_error", rounded(lengths.mean, 5)},
                       {"p95_error", rounded(lengths.p95, 5)},
@@ -199,8 +200,8 @@ Json ink_of(const std::optional<InkShortage>& shortage) {
 Json print_of(const Finished& job) {
   return {{"size_pixels", {job.print.grid.width, job.print.grid.height}},
           {"dpi", job.settings.print.dpi},
-          {"inked_face", name(job.print.top().face)},
-          {"mirrored", job.print.top().mirrored()},
+          {"inked_face", name(job.print.main().face)},
+          {"mirrored", job.print.main().mirrored()},
           {"ruler_mm", job.print.ruler_mm ? Json(*job.print.ruler_mm) : Json(nullptr)}};
 }
 
@@ -285,6 +286,7 @@ Json report(const Finished& job) {
     out["coils"] = coils_json(measured.coils);
     out["pairs"] = pairs_json(measured.coils);
     out["couplings"] = couplings_json(measured.coils);
+    out["circuits"] = circuits_json(job);
     out["ink"] = traces_json(measured.traces);
   }
   if (in_segments(job)) out["segments"] = segments_json(job.placement, job.print);

@@ -31,6 +31,8 @@ std::vector<std::array<std::string, 3>> key_figures(const ReportJson& report);
 // One or two sentences about the strongest coupling: between neighbours, and between any two coils, by name with k and
 // distance. Empty if nothing couples.
 std::string coupling_text(const ReportJson& report);
+// "16 loops: 16 nets, 0 shorts, 0 opens; 66 bridges, 64 gaps."; empty without loops.
+std::string circuits_text(const ReportJson& report);
 // Why the strongest pair stays coupled if it is not a pair of neighbours; otherwise empty.
 std::string what_geometry_allows(const ReportJson& report);
 

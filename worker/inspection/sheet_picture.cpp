@@ -12,6 +12,21 @@ constexpr std::array<float, 256> part_of_255 = [] {
   for (std::size_t i = 0; i < parts.size(); ++i) parts[i] = static_cast<float>(i) / 255;
   return parts;
 }();
+
+// What is printed in several steps has a colour for each of them.
+std::optional<Colour> tint_of(const Layer& layer, const Print& print) {
+  if (!layer.step) return std::nullopt;
+  switch (*layer.step) {
+    case PrintStep::dielectric:
+      return Colour{0.25, 0.65, 0.4, 0.75};
+    case PrintStep::bridges:
+      return Colour{0.8, 0.35, 0.05, 1};
+    case PrintStep::conductor:
+      break;
+  }
+  return layer.face == print.main().face ? Colour{0.1, 0.1, 0.1, 1} : Colour{0.15, 0.35, 0.75, 1};
+}
+
 }  // namespace
 
 SheetPicture::SheetPicture(const Finished& job, InkState state, double pixel_mm)
@@ -21,7 +36,8 @@ SheetPicture::SheetPicture(const Finished& job, InkState state, double pixel_mm)
       chart_(job.sheet.triangles, job.sheet.rest, job.flattening.triangles) {
   for (const Layer& layer : job.print.layers) {
     const Pattern* const pattern = layer.source->under_charts();
-    layers_.push_back({pattern, pattern ? Pixels() : pixels_of(*layer.source->shown(grid_, state))});
+    layers_.push_back({pattern, pattern ? Pixels() : pixels_of(*layer.source->shown(grid_, state)),
+                       tint_of(layer, job.print), layer.step || layer.name == "print"});
   }
 }
 
@@ -41,22 +57,31 @@ SheetPicture::Pixels SheetPicture::pixels_of(const RowSource& source) const {
 }
 
 Ink SheetPicture::sample(const Eigen::Vector2d& rest, double blur_mm) const {
-  return over_lower(of_layer(layers_.front(), rest, blur_mm), rest, blur_mm);
+  return over(of_layer(layers_.front(), rest, blur_mm), 1, true, rest, blur_mm);
 }
 
 Ink SheetPicture::over_lower(const Ink& ink, const Eigen::Vector2d& rest, double blur_mm) const {
-  Ink all = ink;
-  for (std::size_t i = 1; i < layers_.size(); ++i) {
+  return over(ink, 0, false, rest, blur_mm);
+}
+
+Ink SheetPicture::over(Ink ink, std::size_t first, bool pattern_too, const Eigen::Vector2d& rest,
+                       double blur_mm) const {
+  for (std::size_t i = first; i < layers_.size(); ++i) {
+    if (layers_[i].of_pattern && !pattern_too) continue;
     const Ink below = of_layer(layers_[i], rest, blur_mm);
-    const float through = (1 - all.a) * below.a, a = all.a + through;
-    const auto mixed = [&](float over, float under) { return (all.a * over + through * under) / a; };
-    all = a > 0 ? Ink{mixed(all.r, below.r), mixed(all.g, below.g), mixed(all.b, below.b), a} : Ink();
+    const float through = (1 - ink.a) * below.a, a = ink.a + through;
+    const auto mixed = [&](float upper, float lower) { return (ink.a * upper + through * lower) / a; };
+    ink = a > 0 ? Ink{mixed(ink.r, below.r), mixed(ink.g, below.g), mixed(ink.b, below.b), a} : Ink();
   }
-  return all;
+  return ink;
 }
 
 Ink SheetPicture::of_layer(const Shown& layer, const Eigen::Vector2d& rest, double blur_mm) const {
-  return layer.pattern ? of_pattern(*layer.pattern, rest, blur_mm) : of_pixels(layer.pixels, rest);
+  const Ink ink = layer.pattern ? of_pattern(*layer.pattern, rest, blur_mm) : of_pixels(layer.pixels, rest);
+  if (!layer.tint) return ink;
+  const auto part = [](double value) { return static_cast<float>(value); };
+  return {part(layer.tint->r), part(layer.tint->g), part(layer.tint->b),
+          part(layer.tint->a) * ink.coverage()};
 }
 
 // Bilinear, with pixels weighted by their opacity.

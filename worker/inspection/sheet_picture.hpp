@@ -21,7 +21,7 @@ class SheetPicture {
   // Straight colour and opacity at a place of the sheet, before any mirroring, over about `blur_mm`; transparent off
   // it.
   Ink sample(const Eigen::Vector2d& rest, double blur_mm) const;
-  // The same with other ink in place of that of the top layer.
+  // The same with other ink in place of what the pattern is.
   Ink over_lower(const Ink& ink, const Eigen::Vector2d& rest, double blur_mm) const;
 
  private:
@@ -29,8 +29,12 @@ class SheetPicture {
   struct Shown {
     const Pattern* pattern;  // under the charts; null: it is drawn
     Pixels pixels;
+    std::optional<Colour> tint;  // instead of its own colour
+    bool of_pattern;
   };
   Pixels pixels_of(const RowSource& source) const;
+  // `ink` and below it the layers from `first` on.
+  Ink over(Ink ink, std::size_t first, bool pattern_too, const Eigen::Vector2d& rest, double blur_mm) const;
   Ink of_layer(const Shown& layer, const Eigen::Vector2d& rest, double blur_mm) const;
   Ink of_pixels(const Pixels& rgba, const Eigen::Vector2d& rest) const;
   Ink of_pattern(const Pattern& pattern, const Eigen::Vector2d& rest, double blur_mm) const;

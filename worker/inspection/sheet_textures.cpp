@@ -64,7 +64,7 @@ Result<std::vector<std::uint8_t>> painted_texture(const TextureGrid& grid, InkOf
 }  // namespace
 
 std::vector<std::uint8_t> print_texture(const Finished& job, const SheetPicture* over) {
-  const Layer& top = job.print.top();
+  const Layer& top = job.print.main();
   if (!over) return shrunk_png(top.files.png, texture_width(job.print.grid), 0, top.mirrored());
   const TextureGrid grid(job.print.grid);
   const auto print = [&](int y, std::vector<Ink>& line) {
@@ -93,7 +93,7 @@ Result<std::vector<std::uint8_t>> drawing_texture(const Finished& job, const She
 
 Eigen::Vector2d texture_place(const Print& print, const Eigen::Vector2d& rest) {
   const Eigen::Vector2d uv = print.picture_uv(rest);
-  return {print.top().mirrored() ? 1 - uv.x() : uv.x(), 1 - uv.y()};
+  return {print.main().mirrored() ? 1 - uv.x() : uv.x(), 1 - uv.y()};
 }
 
 }  // namespace vacuform

@@ -113,6 +113,7 @@ std::string summary_text(const ReportJson& report, const std::string& out) {
     for (auto& row : key_figures(report)) rows.push_back(std::move(row));
     text += table(rows) + "\n";
   }
+  if (const std::string circuits = circuits_text(report); !circuits.empty()) text += circuits + "\n";
   if (const std::string coupling = coupling_text(report); !coupling.empty()) {
     text += coupling + "\n";
     if (const std::string why = what_geometry_allows(report); !why.empty()) text += why + "\n";

@@ -24,6 +24,7 @@ struct Curve {
 // Straight colour and opacity, each in [0, 1].
 struct Colour {
   double r = 0, g = 0, b = 0, a = 1;
+  double ink() const { return a * (1 - (0.2126 * r + 0.7152 * g + 0.0722 * b)); }  // coverage (pattern.hpp)
 };
 
 enum class LineCap { butt, round, square };

@@ -37,10 +37,9 @@ constexpr std::size_t most_coils = 1024, most_sorted = 256;
 constexpr std::size_t most_split = 2000;  // curves of a fill that are compared with each other
 constexpr double fine_mm = 0.002;
 
-double ink(const Colour& c) { return c.a * (1 - (0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b)); }
 // A line that runs back on itself fills nothing.
 bool has_filled(const Shape& s) {
-  if (!s.fill || !(ink(*s.fill) > 0)) return false;
+  if (!s.fill || !(s.fill->ink() > 0)) return false;
   return std::any_of(s.curves.begin(), s.curves.end(), [](const Curve& curve) {
     double twice = 0, most = 0;
     for (std::size_t i = 0; i < curve.points.size(); ++i) {
@@ -51,7 +50,7 @@ bool has_filled(const Shape& s) {
     return std::max(std::abs(twice), most) > 1e-9;
   });
 }
-bool has_stroked(const Shape& s) { return s.stroke && ink(s.stroke->colour) > 0; }
+bool has_stroked(const Shape& s) { return s.stroke && s.stroke->colour.ink() > 0; }
 
 double radius_of(double area_mm2) { return std::sqrt(area_mm2 / M_PI); }
 

@@ -1,16 +1,88 @@
 #include "worker/pipeline/laid_pattern.hpp"
 
+#include <algorithm>
+#include <array>
+#include <string_view>
 #include <utility>
 
 #include "worker/coils/coupled_neighbours.hpp"
+#include "worker/forming/inked_face.hpp"
 #include "worker/pattern/ink_checks.hpp"
 #include "worker/pipeline/print_progress.hpp"
 #include "worker/printing/colour_ink.hpp"
+#include "worker/stage/index.hpp"
 
 namespace vacuform {
 
+namespace {
+
+Result<void> build_loops(LaidPattern& laid, const ChartedSurface& reverse, const Settings& settings,
+                         const Context& context) {
+  const bool asked = settings.coils.build != CoilBuild::single || settings.coils.gaps > 0;
+  const bool loops =
+      laid.lines && std::any_of(laid.placement.elements.begin(), laid.placement.elements.end(),
+                                [&](const PlacedElement& placed) {
+                                  return laid.lines->elements[index(placed.element)].loop.has_value();
+                                });
+  if (asked && !loops)
+    return fail(Code::unusable_pattern,
+                "there are no loops to build: only coils that are drawn as lines are built",
+                settings.coils.gaps > 0 ? "coils.gaps" : "coils.build",
+                "give a vector drawing of coils that are placed one by one, or leave the setting out");
+  if (!loops) return {};
+  VACUFORM_TRY(build, build_array(*laid.lines, laid.placement, reverse, settings, context));
+  laid.warnings.insert(laid.warnings.end(), build.warnings.begin(), build.warnings.end());
+  laid.build = std::move(build);
+  return {};
+}
+
+std::string_view name_of(const BuiltLayer& layer) {
+  constexpr std::array<std::array<std::string_view, 3>, 2> names{
+      {{"print", "print-dielectric", "print-bridges"},
+       {"print-reverse", "print-reverse-dielectric", "print-reverse-bridges"}}};
+  return names[index(layer.face)][static_cast<std::size_t>(layer.step)];
+}
+
+// From what is seen first from the outside: on the outer face what is printed last.
+void sort_by_sight(std::vector<Layer>& layers, const std::vector<BuiltLayer>& built) {
+  std::vector<std::pair<int, std::size_t>> order;
+  for (std::size_t i = 0; i < built.size(); ++i) {
+    const int step = static_cast<int>(built[i].step);
+    order.emplace_back(layers[i].face == InkedFace::outer ? -step : 1 + step, i);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<Layer> sorted;
+  for (const auto& [depth, i] : order) sorted.push_back(std::move(layers[i]));
+  layers = std::move(sorted);
+}
+
+Result<std::vector<Layer>> layers_of_build(const LaidPattern& laid, const Settings& settings,
+                                           const Context& context) {
+  const ArrayBuild& build = *laid.build;
+  std::vector<Layer> layers;
+  const auto share = [&](std::size_t n) {
+    return static_cast<double>(n) / static_cast<double>(build.layers.size());
+  };
+  for (const BuiltLayer& built : build.layers) {
+    const SubProgress part(context, {Stage::printing, share(layers.size()), share(layers.size() + 1)});
+    VACUFORM_TRY(source,
+                 drawing_layer(laid.pattern, built.drawing, build.placement(built.face, laid.placement),
+                               settings, part.context()));
+    const InkedFace face = settings.pattern.inked_face;
+    layers.push_back({.name = std::string(name_of(built)),
+                      .face = built.face == 0 ? face : other_face(face),
+                      .source = std::move(source),
+                      .step = build.layers.size() > 1 ? std::optional(built.step) : std::nullopt});
+  }
+  sort_by_sight(layers, build.layers);
+  return layers;
+}
+
+}  // namespace
+
 Result<LaidPattern> lay_pattern(Pattern pattern, const Inputs& inputs, const ChartedSurface& charted,
-                                const std::vector<Edge>& cuts, const Context& context) {
+                                const ChartedSurface& reverse, const std::vector<Edge>& cuts,
+                                const Context& context) {
   const Settings& s = inputs.settings;
   LaidPattern laid{.pattern = std::move(pattern)};
   laid.lines = read_drawing(laid.pattern, laid.warnings);
@@ -27,6 +99,7 @@ Result<LaidPattern> lay_pattern(Pattern pattern, const Inputs& inputs, const Cha
     if (auto coupled = coupling_warning(pairs, true)) laid.warnings.push_back(*std::move(coupled));
   }
   laid.placement = std::move(placement);
+  VACUFORM_CHECK(build_loops(laid, reverse, s, decoupling.context()));
   VACUFORM_TRY(alignment, align_flat(charted, s.pattern));
   laid.alignment = alignment;
   return laid;
@@ -44,24 +117,29 @@ Result<LaidPattern> lay_colours(const SheetColours& colours, const ChartedSurfac
 Result<std::vector<Layer>> layers_of(const LaidPattern& laid, const std::optional<SheetColours>& colours,
                                      const InkedSurface& surface, const Settings& settings,
                                      const Context& context) {
+  std::vector<Layer> layers;
+  if (laid.build) {
+    const SubProgress pulling(context, progress::pulling_back);
+    VACUFORM_TRY(built, layers_of_build(laid, settings, pulling.context()));
+    layers = std::move(built);
+  }
   std::shared_ptr<const LayerSource> pattern;
-  if (laid.lines) {
+  if (laid.lines && !laid.build) {
     const SubProgress pulling(context, progress::pulling_back);
     VACUFORM_TRY(lines,
                  drawing_layer(laid.pattern, *laid.lines, laid.placement, settings, pulling.context()));
     pattern = std::move(lines);
-  } else {
+  } else if (!laid.build) {
     pattern = picture_layer(laid.pattern, laid.placement, laid.parts ? &*laid.parts : nullptr,
                             settings.print.compensate_ink);
   }
-  std::vector<Layer> layers;
   const auto add = [&](std::shared_ptr<const LayerSource> source) {
     layers.push_back({.name = layers.empty() ? "print" : "colours",
                       .face = settings.pattern.inked_face,
                       .source = std::move(source)});
   };
   const bool alone = settings.pattern.source == PatternSource::scan;
-  if (!alone) add(pattern);
+  if (!alone && pattern) add(pattern);
   if (colours)
     add(colour_layer(printed_colours(*colours, surface, settings.print), alone ? pattern : nullptr));
   return layers;

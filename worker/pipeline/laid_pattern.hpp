@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "worker/colour/sheet_colours.hpp"
+#include "worker/conductors/array_build.hpp"
 #include "worker/pattern/ink_parts.hpp"
 #include "worker/pipeline/flat_head.hpp"
 #include "worker/placement/alignment.hpp"
@@ -18,16 +19,19 @@ struct LaidPattern {
   std::optional<Drawing> lines = {};   // of a vector drawing
   std::optional<InkParts> parts = {};  // of a picture whose parts are placed one by one
   Placement placement = {};
-  Alignment alignment = {};            // on the flat sheet, as drawn
-  std::vector<Warning> warnings = {};  // of the drawing and of the placement
+  std::optional<ArrayBuild> build = {};  // of a vector drawing with loops
+  Alignment alignment = {};              // on the flat sheet, as drawn
+  std::vector<Warning> warnings = {};    // of the drawing and of the placement
 
   // What was placed element by element; null: nothing, the pattern lies on the chart.
   const Drawing* placed() const { return lines ? &*lines : parts ? &parts->drawing() : nullptr; }
 };
 
-// The pattern of the inputs, as it was read. `cuts` are those of the head. Errors: those of the stages.
+// The pattern of the inputs, as it was read. `reverse` is the other face, `cuts` are those of the head. Errors: those of the
+// stages; unusable_pattern where settings.coils asks for a build and there are no loops to build.
 Result<LaidPattern> lay_pattern(Pattern pattern, const Inputs& inputs, const ChartedSurface& charted,
-                                const std::vector<Edge>& cuts, const Context& context);
+                                const ChartedSurface& reverse, const std::vector<Edge>& cuts,
+                                const Context& context);
 
 // The colours of a scan as the pattern. It has the coordinates of the sheet, and nothing is bent. Errors: cancelled.
 Result<LaidPattern> lay_colours(const SheetColours& colours, const ChartedSurface& charted,

@@ -5,6 +5,7 @@
 #include "api/base/sha256.hpp"
 #include "api/job_inputs.hpp"
 #include "api/version.hpp"
+#include "worker/forming/inked_face.hpp"
 #include "worker/inspection/colour_errors.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/inspection/report_html.hpp"
@@ -93,6 +94,48 @@ LengthErrors lengths_of(const LaidPattern& laid, const VectorPrint* vectors, con
   return lengths;
 }
 
+// The conductors of both faces together. An element lies on one of them.
+VectorPrint conductors_of(const Print& print) {
+  VectorPrint out = *print.main().source->vectors();
+  for (const Layer& layer : print.layers) {
+    if (layer.step != PrintStep::conductor || &layer == &print.main()) continue;
+    const std::vector<PrintedElement>& there = layer.source->vectors()->elements;
+    for (std::size_t e = 0; e < there.size(); ++e)
+      if (!there[e].areas.empty()) out.elements[e] = there[e];
+  }
+  return out;
+}
+
+std::vector<PrintedInk> ink_of(const Print& print) {
+  constexpr double tolerance_mm = 0.01;
+  std::vector<PrintedInk> out;
+  for (const Layer& layer : print.layers) {
+    const VectorPrint* const vectors = layer.source->vectors();
+    if (!vectors) continue;
+    PrintedInk& ink = out.emplace_back(
+        PrintedInk{layer.step.value_or(PrintStep::conductor), layer.face == print.main().face ? 0 : 1, {}});
+    for (const PrintedElement& element : vectors->elements)
+      for (const PaintedArea& area : element.areas)
+        if (area.colour.ink() > 0)
+          for (Ring& ring : fill_area(area.outlines, area.even_odd, tolerance_mm))
+            ink.rings.push_back(std::move(ring));
+  }
+  return out;
+}
+
+// Of the loops of a vector drawing.
+Result<std::optional<ElectricalCheck>> check_circuits(const LaidPattern& laid, const Print& print,
+                                                      const ChartedSurface& charted,
+                                                      const ChartedSurface& reverse,
+                                                      const CoilSettings& settings, const Context& context) {
+  if (!laid.build) return std::optional<ElectricalCheck>();
+  VACUFORM_TRY(check,
+               check_conductors(*laid.lines, laid.placement, *laid.build, ink_of(print),
+                                {&charted.surface(), laid.build->reverse ? &reverse.surface() : nullptr},
+                                settings.clearance_mm, context));
+  return std::optional(std::move(check));
+}
+
 // What the stages made that a finished job does not show.
 struct Made {
   const Identity& identity;
@@ -110,10 +153,12 @@ Result<std::vector<Artifact>> run_stages(const Inputs& inputs, const Use& use, c
   VACUFORM_TRY(head, flat_head(inputs, coverage_of(files, s.pattern), context));
   const FormedHead& formed = head.formed;
   const ChartedSurface charted(head.surface, head.flattening);
+  const InkedSurface beneath = inked_surface(formed.sheet, other_face(s.pattern.inked_face));
+  const ChartedSurface reverse(beneath, head.flattening);
   VACUFORM_TRY(colours, colours_on_sheet(head, inputs));
-  VACUFORM_TRY(laid, files.pattern
-                         ? lay_pattern(*std::move(files.pattern), inputs, charted, head.cuts, context)
-                         : lay_colours(*colours, charted, s.sheet, context));
+  VACUFORM_TRY(laid, files.pattern ? lay_pattern(*std::move(files.pattern), inputs, charted, reverse,
+                                                 head.cuts, context)
+                                   : lay_colours(*colours, charted, s.sheet, context));
   VACUFORM_TRY(layers, layers_of(laid, colours, head.surface, s, context));
   const Identity identity = identity_of(inputs);
   const SubProgress printing(context, progress::printing), measuring(context, progress::measuring);
@@ -136,15 +181,24 @@ Result<std::vector<Artifact>> run_stages(const Inputs& inputs, const Use& use, c
                .placement = laid.placement,
                .print = print,
                .placed = laid.placed(),
-               .lengths = lengths_of(laid, print.top().source->vectors(), s.pattern, print.warnings),
+               .build = laid.build ? &*laid.build : nullptr,
+               .lengths = lengths_of(laid, print.main().source->vectors(), s.pattern, print.warnings),
                .heat = formed.heat,
                .alignment = laid.alignment,
                .label = identity.label};
   if (laid.lines) {
-    const VectorPrint& vectors = *print.top().source->vectors();
-    VACUFORM_TRY(figures, measure(charted, {*laid.lines, laid.placement, vectors, laid.alignment}, s.coils,
-                                  measuring.context()));
+    const VectorPrint vectors = conductors_of(print);
+    const bool both = laid.build && laid.build->reverse;
+    VACUFORM_TRY(figures, measure(charted,
+                                  {*laid.lines, laid.placement, vectors, laid.alignment,
+                                   both ? &reverse : nullptr, both ? laid.build->faces : std::vector<int>()},
+                                  s.coils, measuring.context()));
     job.figures.measured = std::move(figures);
+    VACUFORM_TRY(circuits, check_circuits(laid, print, charted, reverse, s.coils, measuring.context()));
+    if (circuits)
+      for (Warning& warning : circuits->warnings(*laid.lines, s.coils.clearance_mm))
+        print.warnings.push_back(std::move(warning));
+    job.figures.circuits = std::move(circuits);
   }
   add_chart_figures(job);
   return use(job, Made{identity, formed.variants, laid});

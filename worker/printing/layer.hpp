@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "worker/colour/ink_curve.hpp"
+#include "worker/conductors/print_step.hpp"
 #include "worker/pattern/ink_parts.hpp"
 #include "worker/placement/placement.hpp"
 #include "worker/printing/row_source.hpp"
@@ -49,6 +50,8 @@ struct Layer {
   std::string name;  // of its files: name.png, name.svg and name.pdf of api/job.hpp
   InkedFace face = InkedFace::outer;
   std::shared_ptr<const LayerSource> source;
+  // Of a layer of an array that is printed in several steps: all that have one together are what the pattern is.
+  std::optional<PrintStep> step = {};
 
   struct Files {
     // The whole sheet, exact dpi in pHYs, mirrored if the face is the inner one. Black ink gives 8-bit gray on white,

@@ -146,6 +146,11 @@ Marks marks_of_face(bool mirrored, const PrintInputs& print, const PrintLabel& l
 
 }  // namespace
 
+const Layer& Print::main() const {
+  return *std::find_if(layers.begin(), layers.end(),
+                       [](const Layer& layer) { return layer.name == "print"; });
+}
+
 const Layer* Print::coloured() const {
   const auto found = std::find_if(layers.begin(), layers.end(),
                                   [](const Layer& layer) { return layer.source->colours() != nullptr; });
@@ -172,7 +177,7 @@ Result<Print> make_print(PrintInputs inputs, const Context& context) {
     if (!of_face) {
       of_face = settings.print.marks ? marks_of_face(layer.mirrored(), inputs, label, ink) : Marks();
       print.warnings.insert(print.warnings.end(), of_face->warnings.begin(), of_face->warnings.end());
-      if (i == 0) print.ruler_mm = of_face->ruler_mm;
+      if (!print.ruler_mm) print.ruler_mm = of_face->ruler_mm;
     }
     const auto share = [&](std::size_t n) {
       return static_cast<double>(n) / static_cast<double>(layers.size());

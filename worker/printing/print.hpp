@@ -34,22 +34,22 @@ struct Print {
   // "ink-off-chart" (with the loss), "marks-left-out", "ink-not-compensated", "ink-not-enough", and those of the layers
   std::vector<Warning> warnings;
 
-  // The layer whose files are called "print": what the pattern is, and what figures of ink are about.
-  const Layer& top() const { return layers.front(); }
+  // The layer whose files are called "print": what the pattern is, or its conductors; figures of ink are about it.
+  const Layer& main() const;
   // The colours of a scan, if a layer prints them; otherwise null.
   const Layer* coloured() const;
 
-  // The position of sheet coordinates on the picture of the top layer, as a fraction of its width from the left and its
+  // The position of sheet coordinates on the picture of the main layer, as a fraction of its width from the left and its
   // height from below.
   Eigen::Vector2d picture_uv(const Eigen::Vector2d& st) const {
-    return {0.5 + (top().mirrored() ? -st.x() : st.x()) / (grid.width * grid.pixel_mm),
+    return {0.5 + (main().mirrored() ? -st.x() : st.x()) / (grid.width * grid.pixel_mm),
             0.5 + st.y() / (grid.height * grid.pixel_mm)};
   }
 };
 
 struct PrintInputs {
   const ChartedSurface& charted;
-  const Placement& placement;  // of what the top layer shows
+  const Placement& placement;  // of what the main layer shows, on its face
   const Settings& settings;
   // The name of the job on the print (the digest of its inputs, so that bytes repeat) and its reference. The fonts of the
   // print show Latin-1: other characters become '?', with the warning "reference-incomplete" for those of the reference.

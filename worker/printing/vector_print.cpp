@@ -33,8 +33,6 @@ struct Domain {
   const PatchMap* patch;  // its outline cuts the shape
 };
 
-double ink(const Colour& c) { return c.a * (1 - (0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b)); }
-
 AlignedBox2d box_of(const Area& area) {
   AlignedBox2d box;
   for (const Ring& ring : area)
@@ -194,10 +192,10 @@ class PullBack {
     for (const auto& [index, placed] : placed_) {
       std::vector<Ring> rings;
       for (const Shape& shape : drawing_.elements[index].shapes) {
-        if (shape.fill && ink(*shape.fill) > 0)
+        if (shape.fill && shape.fill->ink() > 0)
           for (Ring& r : fill_area(shape.curves, shape.even_odd, polygon_tolerance))
             rings.push_back(std::move(r));
-        if (shape.stroke && ink(shape.stroke->colour) > 0)
+        if (shape.stroke && shape.stroke->colour.ink() > 0)
           for (Ring& r : stroke_area(shape.curves, *shape.stroke, polygon_tolerance))
             rings.push_back(std::move(r));
       }
@@ -225,7 +223,7 @@ class PullBack {
       if (!id.empty() || !elements_placed_ || !tied(c, stroke, pulled)) plain.push_back(shape.curves[c]);
     if (plain.empty()) return;
     paint(stroke_area(plain, stroke, polygon_tolerance), stroke.colour, domains, pulled);
-    if (!(ink(stroke.colour) > 0)) return;
+    if (!(stroke.colour.ink() > 0)) return;
     for (const Curve& curve : plain)
       for (const Domain& domain : domains)
         centre(flatten(curve, fine()), curve.closed, domain.rest_at, pulled);
@@ -266,15 +264,15 @@ class PullBack {
   void paint(const Area& drawn, const Colour& colour, const std::vector<Domain>& domains,
              PulledShape& pulled) const {
     const Area area = on_page(drawn, drawing_.size_mm);
-    const double all = ink(colour) * square_mm(area);
+    const double all = colour.ink() * square_mm(area);
     double kept = 0;
     PaintedArea out{{}, false, colour};
     for (const Domain& domain : domains) {
       const Area part = on_patch(area, *domain.patch);
-      kept += ink(colour) * square_mm(part);
+      kept += colour.ink() * square_mm(part);
       pull_back(part, domain, out.outlines);
     }
-    if (domains.size() > 1) kept = ink(colour) * square_mm(intersection(area, covered_));
+    if (domains.size() > 1) kept = colour.ink() * square_mm(intersection(area, covered_));
     pulled.painted += all;
     pulled.lost += all - kept;
     if (!out.outlines.empty()) pulled.areas.push_back(std::move(out));
@@ -314,7 +312,7 @@ class PullBack {
     const TiedLine line(points, widest_mm(stroke), chart, start, end);
     const Domain domain{[&](const Vector2d& uv) { return line.rest_at(uv); }, &chart};
     paint(stroke_area({curve}, stroke, polygon_tolerance), stroke.colour, {domain}, pulled);
-    if (ink(stroke.colour) > 0) centre(points, false, domain.rest_at, pulled);
+    if (stroke.colour.ink() > 0) centre(points, false, domain.rest_at, pulled);
     TiedPoints* part = nullptr;  // of the line, between places off the chart
     for (const CurvePoint& p : points) {
       const auto rest = line.rest_at(p.at);

@@ -1,6 +1,5 @@
 #include "worker/conductors/crossings.hpp"
 
-
 #include <gtest/gtest.h>
 
 #include "tests/unit/fixtures/coils_shapes.hpp"
@@ -65,7 +64,8 @@ TEST(Crossings, OfAFigureOfEightIsOneOfItself) {
   eight.stroke = Stroke{};
   eight.stroke->width_mm = 2;
   Shape turned = eight;  // so that it does not begin where it crosses itself
-  turned.curves[0].points = {{30, 0}, {30, -15}, {12, -9}, {0, 0}, {-40, 30}, {-40, -30}, {0, 0}, {12, 9}, {30, 15}, {30, 0}};
+  turned.curves[0].points = {{30, 0},    {30, -15}, {12, -9}, {0, 0},   {-40, 30},
+                             {-40, -30}, {0, 0},    {12, 9},  {30, 15}, {30, 0}};
   drawing.elements = {one_element("eight", {turned})};
   ASSERT_TRUE(drawing.elements[0].loop);
   const auto found = crossings(drawing, placed_on(surface, drawing));

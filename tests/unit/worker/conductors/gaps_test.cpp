@@ -48,7 +48,8 @@ TEST(DrawnGaps, AreWhereTheTraceHasNoInk) {
   for (const auto& [middle, wide] : {std::pair(0.0, 10.0), {100.0, 6.0}}) {
     const double along = (middle * M_PI / 180 - start) * 20;
     EXPECT_TRUE(std::any_of(gaps.begin(), gaps.end(), [&](const Interval& gap) {
-      return apart_on_loop(gap.middle(), along, path.length()) < 0.1 && std::abs(gap.length() - wide * mm) < 0.1;
+      return apart_on_loop(gap.middle(), along, path.length()) < 0.1 &&
+             std::abs(gap.length() - wide * mm) < 0.1;
     })) << middle;
   }
   EXPECT_TRUE(drawn_gaps(path, stroke_area(whole.shapes[0].curves, *whole.shapes[0].stroke, 0.002)).empty());
@@ -57,7 +58,8 @@ TEST(DrawnGaps, AreWhereTheTraceHasNoInk) {
 TEST(PlacesForGaps, AreEquallySpacedFromThePort) {
   const auto places = places_for_gaps(100, 4, 2, 13, {});
   ASSERT_EQ(places.size(), 4u);
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(apart_on_loop(places[i], 13 + 25.0 * static_cast<double>(i), 100), 0, 1e-9);
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_NEAR(apart_on_loop(places[i], 13 + 25.0 * static_cast<double>(i), 100), 0, 1e-9);
 }
 
 TEST(PlacesForGaps, KeepClearOfWhatIsBlocked) {

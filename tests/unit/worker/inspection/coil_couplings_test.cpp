@@ -23,7 +23,7 @@ CoilTable measured_flat(const Drawing& drawing) {
   const Sample x = hand_made::flat(260, 60);
   const Placement placement;
   const auto loops = coil_loops(drawing, placement, VectorPrint(), x.flattening, Alignment());
-  return *measure_coils(MeasuredSheet(hand_made::Charted(x)), loops, neighbours(loops, placement, drawing),
+  return *measure_coils({MeasuredSheet(hand_made::Charted(x))}, loops, neighbours(loops, placement, drawing),
                         {}, Context());
 }
 

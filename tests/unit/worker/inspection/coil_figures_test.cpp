@@ -178,7 +178,7 @@ struct Coils {
   }
   CoilTable measure() {
     prepare();
-    return *measure_coils(MeasuredSheet(hand_made::Charted(sample)), loops, pairs, {}, Context());
+    return *measure_coils({MeasuredSheet(hand_made::Charted(sample))}, loops, pairs, {}, Context());
   }
 };
 
@@ -307,7 +307,7 @@ TEST(CoilFigures, AreTheSameTwiceAndCanBeCancelled) {
   Context context;
   context.cancel();
   const auto cancelled =
-      measure_coils(MeasuredSheet(hand_made::Charted(coils.sample)), coils.loops, coils.pairs, {}, context);
+      measure_coils({MeasuredSheet(hand_made::Charted(coils.sample))}, coils.loops, coils.pairs, {}, context);
   ASSERT_FALSE(cancelled);
   EXPECT_EQ(cancelled.error().code, Code::cancelled);
 }

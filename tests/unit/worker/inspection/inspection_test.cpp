@@ -306,7 +306,7 @@ TEST(Artifacts, AreAllOfThemInOrder) {
   for (const auto& kind : artifact_kinds)
     if (kind.always && !kind.name.starts_with("report.")) expected.emplace_back(kind.name);
   EXPECT_EQ(names, expected);
-  EXPECT_EQ(file(*files, "print.png"), job.print.top().files.png);
+  EXPECT_EQ(file(*files, "print.png"), job.print.main().files.png);
 }
 
 // An unevenly warm sheet and a drawing in segments: temperatures and segments are in the report, and previews show them.
@@ -325,7 +325,7 @@ TEST(Artifacts, ShowTheTemperatureAndTheSegmentsWhereThereAreAny) {
                     {0, 0, 20, 0, {{-10, -5}, {10, -5}}, {1, 2, 3}}};
   lengths.worst = 0.1;
   job.print.layers.push_back(
-      {.name = "colours", .source = job.print.top().source, .files = {{1}, "<svg/>", {2}}});
+      {.name = "colours", .source = job.print.main().source, .files = {{1}, "<svg/>", {2}}});
   const auto files = artifacts(finished, Context());
   ASSERT_TRUE(files);
   const auto r = report(finished);
@@ -496,7 +496,7 @@ TEST(Artifacts, TheTexturedObjShowsThePrintWhereItIs) {
     ASSERT_EQ(v.size(), job.sample.sheet.formed.size());
     ASSERT_EQ(vt.size(), v.size());
     EXPECT_EQ(lines(obj, "f").size(), job.sample.sheet.triangles.size());
-    const Decoded image = decode_png(job.print.top().files.png);
+    const Decoded image = decode_png(job.print.main().files.png);
     int inked = 0;
     for (std::size_t i = 0; i < v.size(); ++i) {
       const int column = std::clamp(static_cast<int>(vt[i][0] * image.width), 0, image.width - 1);

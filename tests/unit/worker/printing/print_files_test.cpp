@@ -68,7 +68,7 @@ TEST(PrintFiles, TheSvgHasThePatternsElementsAsLines) {
   x.settings.pattern.placement = PatternPlacement::chart;
   const Made made = make(x, page(two_coils));
   pugi::xml_document svg;
-  ASSERT_TRUE(svg.load_string(made.print.top().files.svg.c_str()));
+  ASSERT_TRUE(svg.load_string(made.print.main().files.svg.c_str()));
   EXPECT_FALSE(svg.find_node([](const auto& n) { return std::string(n.name()) == "image"; }));
   const auto layer = svg.child("svg").find_child_by_attribute("g", "id", "pattern-layer");
   std::vector<std::string> ids;
@@ -84,14 +84,14 @@ TEST(PrintFiles, TheSvgHasThePatternsElementsAsLines) {
   EXPECT_STREQ(centre.attribute("data-width-mm").value(), "2");
   EXPECT_TRUE(std::string(centre.attribute("d").value()).ends_with("Z"));
   EXPECT_TRUE(svg.child("svg").find_child_by_attribute("g", "id", "marks"));
-  EXPECT_EQ(made.print.top().source->vectors()->elements.size(), 3u);
-  EXPECT_NEAR(made.print.top().ink_printed, 1, 1e-12);
+  EXPECT_EQ(made.print.main().source->vectors()->elements.size(), 3u);
+  EXPECT_NEAR(made.print.main().ink_printed, 1, 1e-12);
 }
 
 // The share of blocks of a third of a millimetre whose ink differs. The strips at the front and back are skipped: texts
 // are spaced by other rules there.
 double difference(const Print& print, const Pattern& drawn) {
-  const Decoded image = decode_png(print.top().files.png);
+  const Decoded image = decode_png(print.main().files.png);
   const int strip = static_cast<int>(10 / print.grid.pixel_mm);
   constexpr int block = 4;
   double differing = 0, inked = 0;
@@ -118,7 +118,8 @@ TEST(PrintFiles, TheSvgLooksLikeThePng) {
   x.settings.pattern.inked_face = InkedFace::inner;
   x.settings.pattern.placement = PatternPlacement::chart;
   const Made made = make(x, page(two_coils + "<path id='tip' d='M0 10L30 10 30 20Z'/>"));
-  const auto drawn = Pattern::read(bytes_of(made.print.top().files.svg), "print.svg", PatternSettings{}, 300);
+  const auto drawn =
+      Pattern::read(bytes_of(made.print.main().files.svg), "print.svg", PatternSettings{}, 300);
   ASSERT_TRUE(drawn) << drawn.error().text();
   EXPECT_LT(difference(made.print, *drawn), 0.05);
 }
@@ -128,8 +129,8 @@ TEST(PrintFiles, LinesAndPixelsShowTheSame) {
   x.settings.print.marks = false;
   x.settings.print.dpi = 200;
   x.settings.pattern.placement = PatternPlacement::chart;
-  const Decoded lines = decode_png(make(x, ring_file("rings-7x40mm.svg")).print.top().files.png),
-                pixels = decode_png(make(x, ring_file("rings-7x40mm.svg"), false).print.top().files.png);
+  const Decoded lines = decode_png(make(x, ring_file("rings-7x40mm.svg")).print.main().files.png),
+                pixels = decode_png(make(x, ring_file("rings-7x40mm.svg"), false).print.main().files.png);
   ASSERT_EQ(lines.width, pixels.width);
   double differing = 0, inked = 0;
   for (int j = 0; j < lines.height; ++j)
@@ -146,14 +147,14 @@ TEST(PrintFiles, ColoursAndOpacitiesAreKept) {
   x.settings.print.background = Background::transparent;
   const Made made =
       make(x, page("<rect x='-10' y='-10' width='20' height='20' fill='#c8640a' fill-opacity='0.5'/>"));
-  const Decoded image = decode_png(made.print.top().files.png);
+  const Decoded image = decode_png(made.print.main().files.png);
   const int middle = image.width / 2;
   EXPECT_NEAR(image.at(middle, middle, 0), 200, 2);
   EXPECT_NEAR(image.at(middle, middle, 1), 100, 2);
   EXPECT_NEAR(image.at(middle, middle, 2), 10, 2);
   EXPECT_NEAR(image.at(middle, middle, 3), 128, 1);
   EXPECT_EQ(image.at(10, 10, 3), 0);
-  EXPECT_NE(made.print.top().files.svg.find("fill=\"#c8640a\" fill-opacity=\"0.5\""), std::string::npos);
+  EXPECT_NE(made.print.main().files.svg.find("fill=\"#c8640a\" fill-opacity=\"0.5\""), std::string::npos);
 }
 
 // Round trip: a viewer of the formed print sees the drawing. The dome's map from chart to sheet is known.
@@ -162,7 +163,7 @@ TEST(PrintFiles, ReturnsToTheDrawingThroughTheFormedPart) {
   x.settings.print.marks = false;
   x.settings.pattern.placement = PatternPlacement::chart;
   const Made made = make(x, ring_file("rings-7x40mm.svg"));
-  const Decoded image = decode_png(made.print.top().files.png);
+  const Decoded image = decode_png(made.print.main().files.png);
   const double shrink = 70 / (60 * 80 * M_PI / 180);  // from the chart's radius to the sheet's
   int both = 0, either = 0;
   for (double v = -50; v <= 50; v += 0.2)
@@ -198,7 +199,7 @@ TEST(PrintFiles, EachPartOfAPictureIsPrintedThroughItsOwnPatch) {
     placement.elements.push_back(placed);
   }
   const Print print = print_of(x, placement, picture_layer(*pattern, placement, &parts, false));
-  const Decoded image = decode_png(print.top().files.png);
+  const Decoded image = decode_png(print.main().files.png);
   Vector2d sums[2]{{0, 0}, {0, 0}};
   double inks[2]{0, 0};
   for (int j = 0; j < image.height; ++j)
@@ -240,7 +241,7 @@ TEST(PrintFiles, ThePdfIsAPageOfTheSheetWithLinesAndTexts) {
   for (const InkedFace face : {InkedFace::outer, InkedFace::inner}) {
     x.settings.pattern.inked_face = face;
     const Made made = make(x, page(two_coils));
-    const std::string pdf = text_of(made.print.top().files.pdf);
+    const std::string pdf = text_of(made.print.main().files.pdf);
     std::smatch box;
     ASSERT_TRUE(std::regex_search(pdf, box, std::regex("/MediaBox \\[0 0 ([0-9.]+) ([0-9.]+)\\]")));
     EXPECT_NEAR(std::stod(box[1]), 200 * 72 / 25.4, 1e-6);
@@ -275,7 +276,7 @@ TEST(PrintFiles, ThePdfOfAPictureHasItsRows) {
   for (const char* colour : {"#444", "#c8640a"}) {
     const Made made = make(
         x, page(std::string("<rect x='-10' y='-10' width='20' height='20' fill='") + colour + "'/>"), false);
-    const std::string pdf = text_of(made.print.top().files.pdf);
+    const std::string pdf = text_of(made.print.main().files.pdf);
     const bool gray = made.pattern.grayscale();
     EXPECT_EQ(pdf.find("/SMask") == pdf.npos, gray);
     const auto at = pdf.find(gray ? "/ColorSpace /DeviceGray" : "/ColorSpace /DeviceRGB");
@@ -304,9 +305,9 @@ TEST(PrintFiles, ThePdfOfAPictureHasItsRows) {
 TEST(PrintFiles, RepeatTheirBytes) {
   Sample x = hand_made::dome(40);
   const Made a = make(x, ring_file("rings-7x40mm.svg")), b = make(x, ring_file("rings-7x40mm.svg"));
-  EXPECT_EQ(a.print.top().files.png, b.print.top().files.png);
-  EXPECT_EQ(a.print.top().files.svg, b.print.top().files.svg);
-  EXPECT_EQ(a.print.top().files.pdf, b.print.top().files.pdf);
+  EXPECT_EQ(a.print.main().files.png, b.print.main().files.png);
+  EXPECT_EQ(a.print.main().files.svg, b.print.main().files.svg);
+  EXPECT_EQ(a.print.main().files.pdf, b.print.main().files.pdf);
 }
 
 TEST(PrintFiles, ShadesAreKeptWhereTheSheetStretches) {
@@ -320,7 +321,7 @@ TEST(PrintFiles, ShadesAreKeptWhereTheSheetStretches) {
                        [](const Vector2d& st) { return Vector2d(st.x() * (st.x() > 0 ? 1.6 : 1), st.y()); });
   const auto left_and_right = [&](int gray) {
     const Made made = make(x, gray_png(600, 600, 10000, [&](int, int) { return gray; }));
-    const Decoded image = decode_png(made.print.top().files.png);
+    const Decoded image = decode_png(made.print.main().files.png);
     EXPECT_TRUE(made.print.warnings.empty());
     const int j = image.height / 2, i = static_cast<int>(10 / made.print.grid.pixel_mm);
     return std::pair(255 - image.at(image.width / 2 - i, j), 255 - image.at(image.width / 2 + i, j));

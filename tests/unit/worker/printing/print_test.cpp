@@ -70,7 +70,7 @@ Extent extent(const Layer& layer, double pixel_mm) {
   e.s /= e.area, e.t /= e.area, e.area *= pixel_mm * pixel_mm;
   return e;
 }
-Extent extent(const Print& print) { return extent(print.top(), print.grid.pixel_mm); }
+Extent extent(const Print& print) { return extent(print.main(), print.grid.pixel_mm); }
 
 TEST(Print, AFlatSheetGivesTheDrawingBack) {
   // 100 mm of drawing in pixels of 0.1 mm on 120 mm of sheet at the same resolution: the pixels coincide.
@@ -81,7 +81,7 @@ TEST(Print, AFlatSheetGivesTheDrawingBack) {
     return static_cast<int>(std::lround(127.5 + 100 * std::sin(i / 25.0) * std::cos(j / 31.0)));
   };
   const Print print = print_of(x, pattern_of(gray_png(1000, 1000, 10000, gray), x.settings));
-  const Decoded image = decode_png(print.top().files.png);
+  const Decoded image = decode_png(print.main().files.png);
   ASSERT_EQ(image.width, 1200);
   ASSERT_EQ(image.height, 1200);
   int worst = 0;
@@ -89,7 +89,7 @@ TEST(Print, AFlatSheetGivesTheDrawingBack) {
     for (int i = 1; i < 999; ++i) worst = std::max(worst, std::abs(image.at(i + 100, j + 100) - gray(i, j)));
   EXPECT_LE(worst, 1);
   EXPECT_EQ(image.at(50, 600), 255);  // off the drawing
-  EXPECT_NEAR(print.top().ink_printed, 1, 1e-6);
+  EXPECT_NEAR(print.main().ink_printed, 1, 1e-6);
   EXPECT_TRUE(print.warnings.empty());
 }
 
@@ -103,15 +103,15 @@ TEST(Print, PutsTheExactResolutionIntoTheFile) {
     put32(expected, static_cast<std::uint32_t>(per_metre));
     put32(expected, static_cast<std::uint32_t>(per_metre));
     expected.push_back(1);
-    const auto at = static_cast<std::ptrdiff_t>(chunk(print.top().files.png, "pHYs"));
+    const auto at = static_cast<std::ptrdiff_t>(chunk(print.main().files.png, "pHYs"));
     ASSERT_GT(at, 0);
-    EXPECT_EQ(Bytes(print.top().files.png.begin() + at, print.top().files.png.begin() + at + 9), expected)
+    EXPECT_EQ(Bytes(print.main().files.png.begin() + at, print.main().files.png.begin() + at + 9), expected)
         << dpi;
     EXPECT_EQ(print.grid.width, pixels);
     EXPECT_EQ(print.grid.height, pixels);
-    const Decoded image = decode_png(print.top().files.png);
+    const Decoded image = decode_png(print.main().files.png);
     EXPECT_EQ(image.width, pixels);
-    EXPECT_EQ(print.top().files.png[chunk(print.top().files.png, "IHDR") + 9], 0) << "gray";
+    EXPECT_EQ(print.main().files.png[chunk(print.main().files.png, "IHDR") + 9], 0) << "gray";
   }
 }
 
@@ -169,9 +169,9 @@ TEST(Print, TheInnerFaceIsTheOuterMirrored) {
     const Print outer = print_of(x, svg_pattern(body, 70, x.settings));
     x.settings.pattern.inked_face = InkedFace::inner;
     const Print inner = print_of(x, svg_pattern(body, 70, x.settings));
-    EXPECT_FALSE(outer.top().mirrored());
-    EXPECT_TRUE(inner.top().mirrored());
-    const Decoded a = decode_png(outer.top().files.png), b = decode_png(inner.top().files.png);
+    EXPECT_FALSE(outer.main().mirrored());
+    EXPECT_TRUE(inner.main().mirrored());
+    const Decoded a = decode_png(outer.main().files.png), b = decode_png(inner.main().files.png);
     ASSERT_EQ(a.width, b.width);
     bool differs = false;
     for (int j = 0; j < a.height; ++j)
@@ -249,7 +249,7 @@ TEST(Print, HasNoSeamsAndASmoothBorder) {
   const Print print =
       print_of(x, svg_pattern("<rect x='-80' y='-80' width='160' height='160'/>", 140, x.settings));
   EXPECT_NEAR(extent(print).area, chart, 0.002 * chart);
-  const Decoded image = decode_png(print.top().files.png);
+  const Decoded image = decode_png(print.main().files.png);
   int grays = 0;
   for (int j = 0; j < image.height; ++j)
     for (int i = 0; i < image.width; ++i) {
@@ -269,8 +269,8 @@ constexpr const char* orange =
 TEST(Print, ColourLiesOnWhite) {
   const Sample x = hand_made::flat(100, 10);
   const Print print = print_of(x, svg_pattern(orange, 40, x.settings));
-  const Decoded image = decode_png(print.top().files.png);
-  EXPECT_EQ(print.top().files.png[chunk(print.top().files.png, "IHDR") + 9], 2) << "RGB";
+  const Decoded image = decode_png(print.main().files.png);
+  EXPECT_EQ(print.main().files.png[chunk(print.main().files.png, "IHDR") + 9], 2) << "RGB";
   const int middle = image.width / 2;
   EXPECT_NEAR(image.at(middle, middle, 0), 228, 1);
   EXPECT_NEAR(image.at(middle, middle, 1), 178, 1);
@@ -290,8 +290,8 @@ TEST(Print, ColourIsKeptAndTheRestIsTransparentWhereThatIsAskedFor) {
   x.settings.print.marks = false;
   x.settings.print.background = Background::transparent;
   const Print print = print_of(x, svg_pattern(orange, 40, x.settings));
-  const Decoded image = decode_png(print.top().files.png);
-  EXPECT_EQ(print.top().files.png[chunk(print.top().files.png, "IHDR") + 9], 6) << "RGBA";
+  const Decoded image = decode_png(print.main().files.png);
+  EXPECT_EQ(print.main().files.png[chunk(print.main().files.png, "IHDR") + 9], 6) << "RGBA";
   const int middle = image.width / 2;
   EXPECT_NEAR(image.at(middle, middle, 0), 200, 1);
   EXPECT_NEAR(image.at(middle, middle, 1), 100, 1);
@@ -307,7 +307,7 @@ TEST(Print, TellsHowMuchInkFallsOffTheChart) {
   const Pattern pattern = svg_pattern("<rect x='-50' y='-1' width='100' height='2'/>", 110, x.settings);
   const Print print = print_of(x, pattern);
   EXPECT_NEAR(pattern.ink_mm2(), 200, 0.5);
-  EXPECT_NEAR(print.top().ink_printed, 0.8, 0.002);
+  EXPECT_NEAR(print.main().ink_printed, 0.8, 0.002);
   ASSERT_EQ(print.warnings.size(), 1u);
   EXPECT_EQ(print.warnings[0].code, "ink-off-chart");
   EXPECT_TRUE(print.warnings[0].text.ends_with(
@@ -326,9 +326,9 @@ TEST(Print, DrawsTheMoldsOutlineAlsoWhereTheDrawingCrossesIt) {
   const Sample x = hand_made::flat(200, 40, 60);
   const Print print =
       print_of(x, svg_pattern("<rect x='-60' y='-1' width='120' height='2'/>", 125, x.settings));
-  EXPECT_NE(print.top().files.svg.find("mark-mold-outline"), std::string::npos);
-  EXPECT_EQ(print.top().ink_on_head,
-            print.top().ink_printed);  // a picture on the chart is printed only there
+  EXPECT_NE(print.main().files.svg.find("mark-mold-outline"), std::string::npos);
+  EXPECT_EQ(print.main().ink_on_head,
+            print.main().ink_printed);  // a picture on the chart is printed only there
 }
 
 TEST(Print, ReturnsToTheDrawingThroughTheFormedPart) {
@@ -338,7 +338,7 @@ TEST(Print, ReturnsToTheDrawingThroughTheFormedPart) {
   x.settings.print.marks = false;
   const Pattern pattern = pattern_of(ring_file("rings-7x40mm.svg"), x.settings);
   const Print print = print_of(x, pattern);
-  const Decoded image = decode_png(print.top().files.png);
+  const Decoded image = decode_png(print.main().files.png);
   const double shrink = 70 / (60 * 80 * M_PI / 180);  // from the chart's radius to the sheet's
   int both = 0, either = 0;
   for (double v = -50; v <= 50; v += 0.2)
@@ -359,10 +359,10 @@ TEST(Print, MarksKeepOffThePatternAndTheMargin) {
   x.settings.print.marks = false;
   const Pattern pattern =
       svg_pattern("<circle r='30' fill='none' stroke='#000' stroke-width='2'/>", 70, x.settings);
-  const Decoded bare = decode_png(print_of(x, pattern).top().files.png);
+  const Decoded bare = decode_png(print_of(x, pattern).main().files.png);
   x.settings.print.marks = true;
   const Print marked = print_of(x, pattern);
-  const Decoded image = decode_png(marked.top().files.png);
+  const Decoded image = decode_png(marked.main().files.png);
   int added = 0, outline = 0;
   for (int j = 0; j < image.height; ++j)
     for (int i = 0; i < image.width; ++i) {
@@ -402,7 +402,7 @@ TEST(Print, TheLegendIsWrappedOnANarrowSheet) {
   const Print print = print_of(x, svg_pattern("<circle r='10'/>", 30, x.settings));
   EXPECT_TRUE(print.warnings.empty());
   pugi::xml_document svg;
-  ASSERT_TRUE(svg.load_string(print.top().files.svg.c_str()));
+  ASSERT_TRUE(svg.load_string(print.main().files.svg.c_str()));
   const auto marks = svg.child("svg").find_child_by_attribute("g", "id", "marks");
   std::vector<std::string> legend;
   for (const auto& text : marks.find_child_by_attribute("g", "id", "mark-legend").children("text")) {
@@ -443,7 +443,7 @@ TEST(Print, TheSvgIsTheSamePrintAtOneToOne) {
     x.settings.pattern.inked_face = face;
     const Print print = print_of(x, svg_pattern("<path d='M0,0 L30,0 L30,10 Z'/>", 70, x.settings));
     pugi::xml_document svg;
-    ASSERT_TRUE(svg.load_string(print.top().files.svg.c_str()));
+    ASSERT_TRUE(svg.load_string(print.main().files.svg.c_str()));
     const pugi::xml_node root = svg.child("svg");
     EXPECT_STREQ(root.attribute("width").value(), "200.000mm");
     EXPECT_STREQ(root.attribute("height").value(), "180.000mm");
@@ -459,7 +459,7 @@ TEST(Print, TheSvgIsTheSamePrintAtOneToOne) {
                           "   ·   scale 1:1, check with the ruler");
 
     // Its picture is the chart's part of print.png, in the same position.
-    const Decoded part = embedded(svg), whole = decode_png(print.top().files.png);
+    const Decoded part = embedded(svg), whole = decode_png(print.main().files.png);
     const pugi::xml_node image = pattern.child("image");
     const double left = image.attribute("x").as_double(), top = image.attribute("y").as_double();
     EXPECT_NEAR(image.attribute("width").as_double(), part.width * print.grid.pixel_mm, 1e-5);
@@ -488,8 +488,8 @@ TEST(Print, TheSvgLooksLikeThePng) {
     Sample made = hand_made::flat(200, 40, 60);
     made.settings.pattern.inked_face = face;
     const Print print = print_of(made, svg_pattern("<path d='M0,0 L30,0 L30,10 Z'/>", 70, made.settings));
-    const Decoded image = decode_png(print.top().files.png);
-    const auto drawn = Pattern::read(bytes_of(print.top().files.svg), "print.svg", PatternSettings{}, 300);
+    const Decoded image = decode_png(print.main().files.png);
+    const auto drawn = Pattern::read(bytes_of(print.main().files.svg), "print.svg", PatternSettings{}, 300);
     ASSERT_TRUE(drawn) << drawn.error().text();
     // In blocks of a third of a millimetre: edges may be drawn slightly softer, but everything is in its position. The
     // texts at the front and back are spaced by other rules there.
@@ -522,14 +522,14 @@ TEST(Print, ALabelCannotBreakTheSvg) {
     const auto print = try_print(x, pattern, label);
     ASSERT_TRUE(print);
     pugi::xml_document svg;
-    ASSERT_TRUE(svg.load_string(print->top().files.svg.c_str()));
+    ASSERT_TRUE(svg.load_string(print->main().files.svg.c_str()));
     EXPECT_FALSE(svg.find_node([](const auto& n) { return std::string(n.name()) == "script"; }));
   }
 }
 
 std::string legend_of(const Print& print) {
   pugi::xml_document svg;
-  EXPECT_TRUE(svg.load_string(print.top().files.svg.c_str()));
+  EXPECT_TRUE(svg.load_string(print.main().files.svg.c_str()));
   const auto legend =
       svg.find_node([](const auto& n) { return std::string(n.attribute("id").value()) == "mark-legend"; });
   std::string text;
@@ -544,13 +544,13 @@ TEST(Print, SaysTheReferenceOfTheJob) {
   const auto print = try_print(x, pattern, {"3f9a12c4", "Köln (2) <&> \\ 7"});
   ASSERT_TRUE(print);
   pugi::xml_document svg;
-  ASSERT_TRUE(svg.load_string(print->top().files.svg.c_str()));
+  ASSERT_TRUE(svg.load_string(print->main().files.svg.c_str()));
   EXPECT_STREQ(svg.child("svg").child_value("title"), "Vacuform print 3f9a12c4, reference Köln (2) <&> \\ 7");
   EXPECT_NE(legend_of(*print).find("reference Köln (2) <&> \\ 7   ·   Vacuform 3f9a12c4"), std::string::npos)
       << legend_of(*print);
   EXPECT_EQ(legend_of(without).find("reference"), std::string::npos);
-  EXPECT_NE(print->top().files.png, without.top().files.png);
-  EXPECT_NE(print->top().files.pdf, without.top().files.pdf);
+  EXPECT_NE(print->main().files.png, without.main().files.png);
+  EXPECT_NE(print->main().files.pdf, without.main().files.pdf);
   EXPECT_EQ(print->warnings.size(), without.warnings.size());
 }
 
@@ -573,9 +573,9 @@ TEST(Print, GivesTheSameBytesTwice) {
         std::string("<circle r='30' fill='none' stroke-width='3' stroke='") + colour + "'/>";
     const Print a = print_of(x, svg_pattern(body, 70, x.settings)),
                 b = print_of(x, svg_pattern(body, 70, x.settings));
-    EXPECT_EQ(a.top().files.png, b.top().files.png);
-    EXPECT_EQ(a.top().files.svg, b.top().files.svg);
-    EXPECT_EQ(a.top().files.pdf, b.top().files.pdf);
+    EXPECT_EQ(a.main().files.png, b.main().files.png);
+    EXPECT_EQ(a.main().files.svg, b.main().files.svg);
+    EXPECT_EQ(a.main().files.pdf, b.main().files.pdf);
   }
 }
 

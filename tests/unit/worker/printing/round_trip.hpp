@@ -98,7 +98,7 @@ inline void expect_round_rings(const Bytes& scan, std::optional<double> trim_mm)
                                  .layers = {{.name = "print", .source = *source}}},
                                 Context());
   ASSERT_TRUE(print);
-  const Decoded image = decode_png(print->top().files.png);
+  const Decoded image = decode_png(print->main().files.png);
 
   constexpr double reach = 24;
   const auto& inked = head.surface.inked();

@@ -1,0 +1,151 @@
+"""Arrays as circuits: a reader of its own takes the polygons of every layer from print-*.svg and joins what touches. Sixteen and
+thirty-one loops on two heads are as many nets as loops, without a short or an open, and keep their clearance on the part."""
+import collections
+import itertools
+import json
+import math
+import unittest
+import xml.etree.ElementTree as ElementTree
+
+from shapely.geometry import Polygon
+from shapely.ops import nearest_points, unary_union
+
+import made_scans
+import meshes
+from harness import Case, vacuform
+from test_random_drawings import SVG, FormedSheet, points_of
+
+FAST = ["--set", "sheet.resolution_mm=4", "--set", "print.dpi=72", "--set", "coils.decouple=true"]
+CLEARANCE = 0.5
+
+
+def areas(path):
+    """The painted polygons of a layer, by the id of their element, in sheet coordinates before any mirroring."""
+    out = collections.defaultdict(list)
+    if not path.exists():
+        return out
+    pattern = next(g for g in ElementTree.parse(path).getroot().iter(SVG + "g") if g.get("id") == "pattern")
+    for group in pattern.iter(SVG + "g"):
+        for shape in group.findall(SVG + "path"):
+            if shape.get("class") != "centreline":
+                rings = [points_of("M" + part) for part in shape.get("d").split("M")[1:]]
+                outer = unary_union([Polygon(ring).buffer(0) for ring in rings])
+                if len(rings) > 1:  # holes, by even and odd
+                    outer = Polygon()
+                    for ring in rings:
+                        outer = outer.symmetric_difference(Polygon(ring).buffer(0))
+                out[group.get("id")].append(outer)
+    return out
+
+
+class Nets:
+    """What of a folder conducts together."""
+
+    def __init__(self, folder):
+        self.parts = []  # (element, face, layer, polygon)
+        self.joined = []
+        self.conductors = {}
+        for face in "", "-reverse":
+            conductors = areas(folder / f"print{face}.svg")
+            dielectric = unary_union(list(itertools.chain(*areas(folder / f"print{face}-dielectric.svg").values())))
+            bridges = areas(folder / f"print{face}-bridges.svg")
+            self.conductors[face] = {id: unary_union(some) for id, some in conductors.items()}
+            ink = [(id, part) for id, whole in self.conductors[face].items() for part in getattr(whole, "geoms", [whole])]
+            first = len(self.parts)
+            self.parts += [(id, part) for id, part in ink]
+            for i, k in itertools.combinations(range(first, len(self.parts)), 2):
+                if self.parts[i][1].intersects(self.parts[k][1]):
+                    self.joined.append((i, k))
+            for id, some in bridges.items():
+                for bridge in some:
+                    self.parts.append((id, bridge))
+                    for k in range(first, first + len(ink)):
+                        if bridge.intersection(self.parts[k][1]).difference(dielectric).area > 0.05:
+                            self.joined.append((k, len(self.parts) - 1))
+        self.parent = list(range(len(self.parts)))
+        for i, k in self.joined:
+            self.parent[self.root(i)] = self.root(k)
+
+    def root(self, i):
+        while self.parent[i] != i:
+            i = self.parent[i]
+        return i
+
+    def nets(self):
+        """The ids of the elements of every net."""
+        found = collections.defaultdict(set)
+        for i, (id, _) in enumerate(self.parts):
+            found[self.root(i)].add(id)
+        return list(found.values())
+
+    def least_clearance(self, sheet):
+        """Between the conductors of two loops on one face, on the formed part, mm."""
+        least = math.inf
+        for loops in self.conductors.values():
+            for (_, a), (_, b) in itertools.combinations(loops.items(), 2):
+                if a.distance(b) < 2:
+                    p, q = nearest_points(a, b)
+                    least = min(least, math.dist(sheet.place(p.x, -p.y), sheet.place(q.x, -q.y)))
+        return least
+
+
+class Circuits(Case):
+    def run_array(self, head, count, *settings):
+        name = f"{head.stem}-{count}"
+        layout = self.folder / f"layout-{name}"
+        if not layout.exists():
+            done = vacuform("layout", "--scan", head, "--set", "sheet.resolution_mm=4", "--count", str(count), "--out", layout)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        out = self.folder / "-".join([name, *(s.split("=")[1] for s in settings)])
+        done = vacuform("run", "--scan", head, "--pattern", layout / "pattern.svg", *FAST, "--cache", self.folder / "cache", "--out", out,
+                        *itertools.chain(*(("--set", s) for s in settings)))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return out, json.loads((out / "report.json").read_text())
+
+    def check(self, head, count, build, gaps):
+        out, report = self.run_array(head, count, f"coils.build={build}", f"coils.gaps={gaps}")
+        circuits = report["circuits"]
+        self.assertEqual((circuits["loops"], circuits["nets"], circuits["shorts"], circuits["opens"]), (count, count, [], []), out)
+        codes = {w["code"] for w in report["warnings"]}
+        self.assertFalse(codes & {"coils-short", "coils-open", "coils-close", "bridges-crowded", "gaps-left-out"}, codes)
+        self.assertEqual({len(c["gaps"]) for c in circuits["coils"]}, {gaps})
+        # Each gap parts a loop until its capacitor is there.
+        read = Nets(out)
+        nets = read.nets()
+        self.assertTrue(all(len(net) == 1 for net in nets), [net for net in nets if len(net) > 1])
+        by_loop = collections.Counter(next(iter(net)) for net in nets)
+        self.assertEqual(set(by_loop.values()), {max(1, gaps)}, by_loop)
+        self.assertEqual(len(by_loop), count)
+        sheet = FormedSheet(meshes.Ply((out / "formed.ply").read_bytes()))
+        self.assertGreater(read.least_clearance(sheet), CLEARANCE - 0.03)
+        return report
+
+    def test_arrays_with_bridges(self):
+        for head, count, gaps in ((made_scans.adult(), 16, 4), (made_scans.adult(), 31, 0), (made_scans.newborn(), 16, 0)):
+            with self.subTest(head=head.stem, count=count):
+                report = self.check(head, count, "bridges", gaps)
+                self.assertEqual({c["face"] for c in report["circuits"]["coils"]}, {"outer"})
+
+    def test_arrays_on_two_faces(self):
+        for head, count, gaps in ((made_scans.adult(), 16, 4), (made_scans.adult(), 31, 2), (made_scans.newborn(), 31, 0)):
+            with self.subTest(head=head.stem, count=count):
+                report = self.check(head, count, "two_faces", gaps)
+                self.assertEqual({c["face"] for c in report["circuits"]["coils"]}, {"outer", "inner"})
+                couplings = report["figures"]["with"]["coils"]
+                self.assertLess(abs(couplings["strongest_neighbours"]["k"]), 0.01)
+
+    def test_one_layer_is_a_short_circuit_and_says_so(self):
+        out, report = self.run_array(made_scans.adult(), 16)
+        self.assertEqual(report["circuits"]["nets"], 1)
+        short = next(w for w in report["warnings"] if w["code"] == "coils-short")
+        self.assertEqual(short["severity"], "serious")
+        nets = Nets(out).nets()
+        self.assertEqual([len(net) for net in nets], [16])
+        # Every pair that the reader finds in one piece is named.
+        loops = Nets(out).conductors[""]
+        touching = {frozenset(pair) for pair in itertools.combinations(loops, 2) if loops[pair[0]].intersects(loops[pair[1]])}
+        self.assertEqual({frozenset(s["coils"]) for s in report["circuits"]["shorts"]}, touching)
+
+
+if __name__ == "__main__":
+    unittest.main()
