@@ -67,7 +67,7 @@ struct ArtifactKind {
   std::string_view title;  // one line for people
   bool always = true;      // otherwise only jobs with matching content make it
 };
-inline constexpr std::array<ArtifactKind, 49> artifact_kinds{{
+inline constexpr std::array<ArtifactKind, 53> artifact_kinds{{
     {"print.png", "image/png", "The print: pre-distorted pattern, 1:1, exact dpi"},
     {"print.svg", "image/svg+xml", "The print at 1:1 with its marks, user units in mm"},
     {"print.pdf", "application/pdf", "The print at 1:1 with its marks, on a page of the sheet's size"},
@@ -124,6 +124,11 @@ inline constexpr std::array<ArtifactKind, 49> artifact_kinds{{
     {"formed.glb", "model/gltf-binary", "The formed sheet for 3D viewers, with and without pre-distortion"},
     {"uv-map.obj", "model/obj", "The formed surface, textured with the pattern"},
     {"mold.stl", "model/stl", "The mold as placed and trimmed, watertight"},
+    {"coils.csv", "text/csv; charset=utf-8", "What to solder: each gap with its capacitor and its place",
+     false},
+    {"array.json", "application/json", "The loops as circuits: figures, matrices, lines in space", false},
+    {"array.nec", "text/plain; charset=utf-8", "The tuned loops as wires, for NEC-2", false},
+    {"array.ts", "text/plain; charset=utf-8", "The scattering matrix of the array, Touchstone 2.0", false},
     {"findings.json", "application/json",
      "What is in the scan and what mold it makes, of an inspection or a failed print", false},
     {"pattern.svg", "image/svg+xml", "The coils of a layout, as a drawing to print", false},

@@ -165,6 +165,17 @@ struct CoilSettings {
   PortSide port = PortSide::edge;  // where the cables leave
 };
 
+// Loops as circuits at their frequency (worker/electrical).
+struct CircuitSettings {
+  double frequency_mhz = 127.74;  // of the hydrogen nucleus at 3 T
+  double conductivity = 0.6;      // of the body, S/m
+  double ink_mohm = 25;           // per square, as printed and cured, before it is stretched
+  // Rows of the length of a trace over its printed length and of its resistance over that of an ink that only changes its
+  // shape; none: 1 everywhere, which is a lower bound.
+  std::vector<std::array<double, 2>> ink_stretch;
+  double port_ohm = 50;  // of the cable or the preamplifier's match
+};
+
 // An array of loops of one size, for jobs of kind layout.
 struct LayoutSettings {
   int count = 16;
@@ -196,6 +207,7 @@ struct Settings {
   FlatteningSettings flattening;
   PatternSettings pattern;
   CoilSettings coils;
+  CircuitSettings circuit;
   LayoutSettings layout;
   PrintSettings print;
 };

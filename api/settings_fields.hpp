@@ -271,6 +271,18 @@ void describe(S& s, V& v) {
   v.field("port", s.coils.port,
           "Where the cables leave: each loop's port is on its side towards the edge, or the top");
 
+  v.group("circuit", "Circuit: the loops at their frequency");
+  v.field("frequency_mhz", s.circuit.frequency_mhz, {1, 1000, "MHz"},
+          "Frequency of the loops; 63.87, 127.74 and 298.04 for hydrogen at 1.5, 3 and 7 T");
+  v.field("conductivity", s.circuit.conductivity, {0.01, 5, "S/m"}, "Conductivity of the body");
+  v.field("ink_mohm", s.circuit.ink_mohm, {0.1, 10000, "mohm"},
+          "Resistance of a square of the conductor as it is printed and cured, before it is stretched");
+  v.field("ink_stretch", s.circuit.ink_stretch, {1, 1000, "1"},
+          "What stretch does to the ink, as rows [length of the trace over its printed length, resistance "
+          "over that of an "
+          "ink that only changes its shape]; none: 1 everywhere, a lower bound");
+  v.field("port_ohm", s.circuit.port_ohm, {1, 1000, "ohm"}, "What each port is matched to");
+
   v.group("layout", "Layout: an array of coils made for a scan, for jobs of kind layout");
   v.field("count", s.layout.count, {4, 64, "1"}, "Number of coils");
   v.field(

@@ -62,6 +62,9 @@ class Nets:
                     for k in range(first, first + len(ink)):
                         if bridge.intersection(self.parts[k][1]).difference(dielectric).area > 0.05:
                             self.joined.append((k, len(self.parts) - 1))
+                    for k in range(first + len(ink), len(self.parts) - 1):
+                        if self.parts[k][1].intersects(bridge):
+                            self.joined.append((k, len(self.parts) - 1))
         self.parent = list(range(len(self.parts)))
         for i, k in self.joined:
             self.parent[self.root(i)] = self.root(k)

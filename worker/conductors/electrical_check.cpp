@@ -50,7 +50,8 @@ struct Near {
   double mm;
   Vector3d at;
 };
-std::map<std::pair<int, int>, Near> nearest_of_each_pair(const std::vector<Labelled>& points, double reach_mm) {
+std::map<std::pair<int, int>, Near> nearest_of_each_pair(const std::vector<Labelled>& points,
+                                                         double reach_mm) {
   using Cell = std::array<std::int64_t, 3>;
   const auto cell_of = [&](const Vector3d& p) {
     Cell out{};
@@ -205,8 +206,9 @@ class Check {
       }
       const std::size_t end = past_break(loop, path, face, i);
       if (end == 0) {
-        i = static_cast<std::size_t>(std::find_if(points.begin() + static_cast<std::ptrdiff_t>(i) + 1, points.end(), inked) -
-                                     points.begin());
+        i = static_cast<std::size_t>(
+            std::find_if(points.begin() + static_cast<std::ptrdiff_t>(i) + 1, points.end(), inked) -
+            points.begin());
         found_.opens.push_back({element, element, points[i].place, 0});
       } else {
         i = end;
@@ -251,9 +253,8 @@ class Check {
       first_loop_[net] = loops.front()->element;
       add_shorts(loops);
     }
-    std::sort(found_.shorts.begin(), found_.shorts.end(), [](const auto& x, const auto& y) {
-      return std::pair(x.a, x.b) < std::pair(y.a, y.b);
-    });
+    std::sort(found_.shorts.begin(), found_.shorts.end(),
+              [](const auto& x, const auto& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); });
   }
 
   // Of the loops of one net: those whose traces touch, and those that are joined by something else.
@@ -333,7 +334,8 @@ std::string names(const Drawing& drawing, const std::vector<ElectricalCheck::Pla
 Warning about(const Drawing& drawing, const char* code, const std::vector<ElectricalCheck::Place>& places) {
   Warning out{.code = code, .text = {}};
   for (const auto& each : places)
-    if (out.marks.size() < Warning::most_marks) out.marks.push_back({{each.at.x(), each.at.y(), each.at.z()}, 5});
+    if (out.marks.size() < Warning::most_marks)
+      out.marks.push_back({{each.at.x(), each.at.y(), each.at.z()}, 5});
   out.place = names(drawing, places);
   out.figure = Warning::Figure{static_cast<double>(places.size()), "", 0.0};
   return out;
@@ -354,24 +356,25 @@ std::vector<Warning> ElectricalCheck::warnings(const Drawing& drawing, double cl
   }
   if (!opens.empty()) {
     Warning& warning = out.emplace_back(about(drawing, "coils-open", opens));
-    warning.text = counted(opens.size(), " place", " places") + " of loops has no ink, no bridge and no gap for a capacitor";
+    warning.text = counted(opens.size(), " place", " places") +
+                   " of loops has no ink, no bridge and no gap for a capacitor";
   }
   if (!close.empty()) {
     const auto nearest = std::min_element(close.begin(), close.end(),
                                           [](const Place& a, const Place& b) { return a.mm < b.mm; });
     Warning& warning = out.emplace_back(about(drawing, "coils-close", close));
     warning.text = counted(close.size(), " pair of circuits comes", " pairs of circuits come") +
-                   " nearer to each other than coils.clearance_mm on the part, at least " + decimal(nearest->mm, 2) +
-                   " mm apart";
+                   " nearer to each other than coils.clearance_mm on the part, at least " +
+                   decimal(nearest->mm, 2) + " mm apart";
     warning.figure = Warning::Figure{nearest->mm, "mm", clearance_mm};
   }
   return out;
 }
 
-Result<ElectricalCheck> check_conductors(const Drawing& drawing, const Placement& placement, const ArrayBuild& build,
-                                         const std::vector<PrintedInk>& ink,
-                                         const std::array<const InkedSurface*, 2>& surfaces, double clearance_mm,
-                                         const Context& context) {
+Result<ElectricalCheck> check_conductors(const Drawing& drawing, const Placement& placement,
+                                         const ArrayBuild& build, const std::vector<PrintedInk>& ink,
+                                         const std::array<const InkedSurface*, 2>& surfaces,
+                                         double clearance_mm, const Context& context) {
   return Check(drawing, placement, build, ink).run(surfaces, clearance_mm, context);
 }
 

@@ -22,15 +22,16 @@ struct PrintedInk {
 
 struct ElectricalCheck {
   struct Place {
-    int a = 0, b = 0;              // indices into Drawing::elements; b = a for an open loop
+    int a = 0, b = 0;             // indices into Drawing::elements; b = a for an open loop
     Eigen::Vector3d at{0, 0, 0};  // mm
-    double mm = 0;                 // distance, of those that are too close
+    double mm = 0;                // distance, of those that are too close
   };
-  int loops = 0;  // printed, at least in part
-  int nets = 0;   // circuits that they are: as many, if all is well
+  int loops = 0;              // printed, at least in part
+  int nets = 0;               // circuits that they are: as many, if all is well
   std::vector<Place> shorts;  // pairs of loops of one circuit, each once, ascending, where they meet
   std::vector<Place> opens;   // loops that are interrupted without a capacitor or a bridge, where
-  std::vector<Place> close;   // circuits, by their first loops, nearer than the clearance on a layer, where they are nearest
+  std::vector<Place>
+      close;  // circuits, by their first loops, nearer than the clearance on a layer, where they are nearest
 
   // "coils-short", "coils-open", "coils-close"
   std::vector<Warning> warnings(const Drawing& drawing, double clearance_mm) const;
@@ -39,9 +40,9 @@ struct ElectricalCheck {
 // `placement` is that of the first face, `surfaces` are of both; null: nothing lies there. A gap is closed by its
 // capacitor. A bridge joins what it touches outside of the dielectric. Distances are straight in space, between points
 // .1 mm apart. O(n log n) in the ink. Deterministic. Errors: cancelled.
-Result<ElectricalCheck> check_conductors(const Drawing& drawing, const Placement& placement, const ArrayBuild& build,
-                                         const std::vector<PrintedInk>& ink,
-                                         const std::array<const InkedSurface*, 2>& surfaces, double clearance_mm,
-                                         const Context& context);
+Result<ElectricalCheck> check_conductors(const Drawing& drawing, const Placement& placement,
+                                         const ArrayBuild& build, const std::vector<PrintedInk>& ink,
+                                         const std::array<const InkedSurface*, 2>& surfaces,
+                                         double clearance_mm, const Context& context);
 
 }  // namespace vacuform

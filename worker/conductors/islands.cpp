@@ -50,7 +50,8 @@ Islands::Islands(const std::vector<Ring>& rings) {
     add(ring, around);
   }
   for (auto& [row, edges] : rows_)
-    std::stable_sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.island < b.island; });
+    std::stable_sort(edges.begin(), edges.end(),
+                     [](const Edge& a, const Edge& b) { return a.island < b.island; });
 }
 
 int Islands::at(const Vector2d& p) const {

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/electrical/tuning.hpp"
+
 namespace vacuform {
 
 namespace {
 
 constexpr double mu0 = 4e-7 * M_PI;
-double angular(double frequency_mhz) { return 2e6 * M_PI * frequency_mhz; }
 
 // P_l and its derivative at x, for l = 1, 2...
 class Legendre {
@@ -33,7 +34,8 @@ class Legendre {
 
 double noise_resistance(const Body& body, const LoopOnSphere& a, const LoopOnSphere& b, double angle,
                         double frequency_mhz) {
-  const double radius = body.radius_mm / 1000, near = body.radius_mm * body.radius_mm / (a.distance_mm * b.distance_mm);
+  const double radius = body.radius_mm / 1000,
+               near = body.radius_mm * body.radius_mm / (a.distance_mm * b.distance_mm);
   const double sine_a = std::sin(a.half_angle), sine_b = std::sin(b.half_angle);
   Legendre of_a(std::cos(a.half_angle)), of_b(std::cos(b.half_angle)), between(std::cos(angle));
   double sum = 0, power = near, largest = 0;
@@ -47,7 +49,8 @@ double noise_resistance(const Body& body, const LoopOnSphere& a, const LoopOnSph
     if (power < 1e-11 * largest) break;
     of_a.next(), of_b.next(), between.next();
   }
-  const double w = angular(frequency_mhz), q = mu0 * sine_a * sine_a / 2 * mu0 * sine_b * sine_b / 2;
+  const double w = angular_frequency(frequency_mhz),
+               q = mu0 * sine_a * sine_a / 2 * mu0 * sine_b * sine_b / 2;
   return body.conductivity * w * w * q * 4 * M_PI * radius * radius * radius * sum;
 }
 
@@ -61,10 +64,11 @@ double half_space_resistance(double radius_mm, double above_mm, double conductiv
   constexpr double end = 200, step = 0.05;
   constexpr int pieces = 4000;
   double integral = 0;
-  for (int i = 0; i <= pieces; ++i) integral += (i == 0 || i == pieces ? 1 : i % 2 == 1 ? 4 : 2) * integrand(i * step);
+  for (int i = 0; i <= pieces; ++i)
+    integral += (i == 0 || i == pieces ? 1 : i % 2 == 1 ? 4 : 2) * integrand(i * step);
   integral *= step / 3;
   if (x * end < 1) integral += std::exp(-2 * end * x) / (2 * M_PI * end * end);
-  const double w = angular(frequency_mhz), a = radius_mm / 1000;
+  const double w = angular_frequency(frequency_mhz), a = radius_mm / 1000;
   return M_PI / 4 * conductivity * w * w * mu0 * mu0 * a * a * a * integral;
 }
 

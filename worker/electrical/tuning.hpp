@@ -6,6 +6,8 @@ namespace vacuform {
 // MHz of the hydrogen nucleus at 1.5, 3 and 7 T.
 inline constexpr double proton_mhz_per_tesla = 42.577478;
 
+double angular_frequency(double mhz);  // 1/s
+
 // Of all capacitors of a loop in series, pF; each of n equal ones is n times as large.
 double tuning_pf(double inductance_nh, double frequency_mhz);
 
@@ -16,9 +18,12 @@ double quality(double inductance_nh, double frequency_mhz, double resistance_ohm
 // 10 log10(Qr / (Qr - 1)) with the ratio Qr of the unloaded to the loaded quality.
 double noise_figure_db(double coil_ohm, double body_ohm);
 
-// The capacitor across the port that brings a tuned loop to `port_ohm`, pF: w C = sqrt((Z - R) / R) / Z. 0 if the loop has as
-// much resistance itself.
-double matching_pf(double loop_ohm, double port_ohm, double frequency_mhz);
+// The two capacitors that bring a loop to `port_ohm`, pF: one across the port, w C = sqrt((Z - R) / R) / Z, and all others in
+// series, which leave the loop the reactance sqrt(R (Z - R)). A loop with more resistance than the port has none across it.
+struct Match {
+  double port_pf = 0, series_pf = 0;
+};
+Match match(double inductance_nh, double loop_ohm, double port_ohm, double frequency_mhz);
 
 // The current that one tuned loop drives in another, as a share of its own: k w L / (R + Zb), with Zb the impedance that a
 // preamplifier shows to it; and the same in dB less than without the preamplifier.

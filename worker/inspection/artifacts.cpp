@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "worker/inspection/array_files.hpp"
 #include "worker/inspection/findings_preview.hpp"
 #include "worker/inspection/formed_glb.hpp"
 #include "worker/inspection/inspection.hpp"
@@ -24,6 +25,8 @@ bool makes(const Finished& job, const ArtifactKind& kind) {
   if (kind.name == "preview-temperature.png") return job.heat.source != HeatSource::uniform;
   for (const Layer& layer : job.print.layers)
     if (kind.name.starts_with(layer.name + ".")) return true;
+  for (const char* name : {"coils.csv", "array.json", "array.nec", "array.ts"})
+    if (kind.name == name) return job.figures.electrical.has_value();
   for (const char* name :
        {"preview-original.png", "preview-position.png", "preview-colour.png", "preview-align.png"})
     if (kind.name == name) return job.figures.errors.has_value();
@@ -56,6 +59,15 @@ Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& cont
   files.push_back({"formed.glb", *std::move(glb)});
   files.push_back({"uv-map.obj", std::move(uv_map)});
   files.push_back({"mold.stl", std::move(stl)});
+  if (job.figures.electrical) {
+    const auto add = [&](const char* name, const std::string& text) {
+      files.push_back({name, {text.begin(), text.end()}});
+    };
+    add("coils.csv", coils_csv(job));
+    add("array.json", array_json(job));
+    add("array.nec", array_nec(job));
+    add("array.ts", array_touchstone(job));
+  }
   VACUFORM_CHECK(context.step(Stage::inspection, 1));
   return files;
 }

@@ -44,8 +44,9 @@ Json circuits_json(const Finished& job) {
                      {"gaps", std::move(gaps)}});
   }
   for (const Bridge& bridge : job.build->bridges)
-    bridges.push_back(
-        {{"over", id(bridge.over())}, {"under", id(bridge.under())}, {"place_mm", array(bridge.crossing.place, 1)}});
+    bridges.push_back({{"over", id(bridge.over())},
+                       {"under", id(bridge.under())},
+                       {"place_mm", array(bridge.crossing.place, 1)}});
   return {{"loops", check.loops},
           {"nets", check.nets},
           {"shorts", places(check.shorts, false)},

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "worker/conductors/electrical_check.hpp"
+#include "worker/electrical/array_circuit.hpp"
 #include "worker/inspection/both.hpp"
 #include "worker/inspection/coil_figures.hpp"
 #include "worker/inspection/stretched_traces.hpp"
@@ -89,6 +90,14 @@ struct ColourErrors {
   Change most_changed;
 };
 
+// Coils on the head as circuits, in the order of the coils.
+struct CircuitFigures {
+  std::vector<int> elements, coils;  // indices into Drawing::elements and CoilTable::coils
+  std::vector<LoopOnPart> loops;
+  double above_mm = 0;  // of the ink over the body
+  ArrayCircuit array;
+};
+
 // Without: as drawn on the flat sheet. With: as printed.
 struct Figures : Both<WayFigures> {
   // Of the sheet's vertices. How forming changes the flat sheet, the mean over the triangles around, weighted by formed
@@ -98,9 +107,10 @@ struct Figures : Both<WayFigures> {
   // Least thickness of the sheet and of its part on the chart, mm. Pieces below a quarter of a cell of the grid, into which
   // the sheet is divided where it bends, do not count: their share of the plastic is chance.
   double least_thickness = 0, chart_least_thickness = 0;
-  std::optional<Measured> measured;         // of a vector print
-  std::optional<ElectricalCheck> circuits;  // of its loops
-  std::optional<ColourErrors> errors;       // of the colours of a scan, if they are printed
+  std::optional<Measured> measured;          // of a vector print
+  std::optional<ElectricalCheck> circuits;   // of its loops
+  std::optional<CircuitFigures> electrical;  // of its coils
+  std::optional<ColourErrors> errors;        // of the colours of a scan, if they are printed
 };
 
 }  // namespace vacuform

@@ -9,7 +9,7 @@ namespace vacuform {
 namespace {
 
 // Pale, and distinguishable by lightness without colour vision.
-const std::array<Rgb, 7> colours{Rgb(0.68f, 0.85f, 0.93f), Rgb(0.98f, 0.86f, 0.62f), Rgb(0.72f, 0.88f, 0.70f),
+const std::array<Rgb, 7> palette{Rgb(0.68f, 0.85f, 0.93f), Rgb(0.98f, 0.86f, 0.62f), Rgb(0.72f, 0.88f, 0.70f),
                                  Rgb(0.95f, 0.75f, 0.72f), Rgb(0.82f, 0.77f, 0.92f), Rgb(0.93f, 0.93f, 0.72f),
                                  Rgb(0.80f, 0.80f, 0.80f)};
 const Rgb dark(0.15f, 0.13f, 0.25f);
@@ -21,7 +21,7 @@ std::vector<int> colours_of(const Placement& placement) {
   for (std::size_t i = 0; i < taken.size(); ++i) {
     int colour = 0;
     while (taken[i].contains(colour)) ++colour;
-    out.push_back(colour % static_cast<int>(colours.size()));
+    out.push_back(colour % static_cast<int>(palette.size()));
     for (const Seam& seam : placement.seams) {
       if (seam.a == static_cast<int>(i)) taken[seam.b].insert(out.back());
       if (seam.b == static_cast<int>(i)) taken[seam.a].insert(out.back());
@@ -61,7 +61,7 @@ std::optional<Rgb> SegmentColours::operator()(const Seen& seen) const {
   const double half_mm = std::max(0.35, 0.8 * seen.spacing_mm);
   for (std::size_t k = 0; k < 3; ++k)
     if (face.seam[k] && seen.weights[k] * face.height_mm[k] < half_mm) return dark;
-  return colours[face.colour];
+  return palette[face.colour];
 }
 
 }  // namespace vacuform

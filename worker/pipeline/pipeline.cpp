@@ -6,6 +6,7 @@
 #include "api/job_inputs.hpp"
 #include "api/version.hpp"
 #include "worker/forming/inked_face.hpp"
+#include "worker/inspection/circuit_figures.hpp"
 #include "worker/inspection/colour_errors.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/inspection/report_html.hpp"
@@ -199,6 +200,7 @@ Result<std::vector<Artifact>> run_stages(const Inputs& inputs, const Use& use, c
       for (Warning& warning : circuits->warnings(*laid.lines, s.coils.clearance_mm))
         print.warnings.push_back(std::move(warning));
     job.figures.circuits = std::move(circuits);
+    job.figures.electrical = circuit_figures(job, vectors, beneath);
   }
   add_chart_figures(job);
   return use(job, Made{identity, formed.variants, laid});

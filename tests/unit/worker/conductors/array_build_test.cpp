@@ -69,7 +69,7 @@ TEST(ArrayBuild, WithBridgesInterruptsOneOfTwoLoops) {
     double cut = 0, above = 0, patches = 0;
     for (const Bridge& b : build.bridges) {
       if (b.over() == static_cast<int>(e)) cut += 2 * b.cut * 3, above += 2 * b.reach * 3;
-      if (b.under() == static_cast<int>(e)) patches += 2 * b.patch * 5;
+      if (b.under() == static_cast<int>(e)) patches += 2 * b.patch * 4;
     }
     EXPECT_NEAR(ink(conductor->drawing.elements[e]), ink(rings.drawing.elements[e]) - cut, 0.5) << e;
     EXPECT_NEAR(ink(bridges->drawing.elements[e]), above, 0.5);

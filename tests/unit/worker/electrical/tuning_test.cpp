@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <complex>
 
 namespace vacuform {
 namespace {
@@ -29,15 +30,16 @@ TEST(Tuning, NoiseFigureOfARatioOfQualities) {
   for (const auto& [ratio, db] : figures) EXPECT_NEAR(noise_figure_db(1, ratio - 1), db, 0.1 * db) << ratio;
 }
 
-// The loop with its capacitor: R + jwL - j/(wC1) in series, C2 across the port. Tuned with C1, its input is the port's.
+// The loop and its series capacitor in parallel with the one across the port are as the port.
 TEST(Tuning, MatchingBringsTheLoopToThePort) {
-  const double r = 5, z = 50, f = 127.74, w = 2e6 * M_PI * f, c = matching_pf(r, z, f) * 1e-12;
-  // In parallel with C the loop must be R + jX with X = sqrt(R (Z - R)).
-  const double x = std::sqrt(r * (z - r));
-  const double real = r / (r * r + x * x), imaginary = -x / (r * r + x * x) + w * c;
-  EXPECT_NEAR(real, 1 / z, 1e-9);
-  EXPECT_NEAR(imaginary, 0, 1e-9);
-  EXPECT_EQ(matching_pf(60, 50, f), 0);
+  const double r = 5, z = 50, f = 127.74, w = 2e6 * M_PI * f;
+  const Match found = match(178.2, r, z, f);
+  const std::complex<double> j(0, 1), loop = r + j * w * 178.2e-9 + 1.0 / (j * w * found.series_pf * 1e-12);
+  const std::complex<double> seen = 1.0 / (1.0 / loop + j * w * found.port_pf * 1e-12);
+  EXPECT_NEAR(seen.real(), z, 1e-6);
+  EXPECT_NEAR(seen.imag(), 0, 1e-6);
+  EXPECT_EQ(match(178.2, 60, 50, f).port_pf, 0);
+  EXPECT_DOUBLE_EQ(match(178.2, 60, 50, f).series_pf, tuning_pf(178.2, f));
 }
 
 TEST(Tuning, PreamplifiersBlockCoupledCurrents) {
