@@ -68,7 +68,8 @@ ArrayCircuit array_circuit(const std::vector<LoopOnPart>& loops, const FittedSph
                            const CircuitSettings& settings) {
   const double mhz = settings.frequency_mhz;
   const Body sphere{body.radius_mm, settings.conductivity};
-  ArrayCircuit out{body, std::vector<LoopCircuit>(loops.size()), CouplingMatrix(static_cast<int>(loops.size()))};
+  ArrayCircuit out{body, std::vector<LoopCircuit>(loops.size()),
+                   CouplingMatrix(static_cast<int>(loops.size()))};
   std::vector<LoopOnSphere> on_sphere;
   std::vector<Vector3d> axes;
   for (const LoopOnPart& loop : loops) {
@@ -87,7 +88,8 @@ ArrayCircuit array_circuit(const std::vector<LoopOnPart>& loops, const FittedSph
   in_parallel(0, count, [&](int first, int last) {
     for (int a = first; a < last; ++a)
       for (int b = a; b < count; ++b) {
-        const double angle = a == b ? 0 : std::acos(std::clamp(axes[index(a)].dot(axes[index(b)]), -1.0, 1.0));
+        const double angle =
+            a == b ? 0 : std::acos(std::clamp(axes[index(a)].dot(axes[index(b)]), -1.0, 1.0));
         ohm.set(a, b, noise_resistance(sphere, on_sphere[index(a)], on_sphere[index(b)], angle, mhz));
       }
   });

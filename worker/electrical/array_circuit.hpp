@@ -27,17 +27,17 @@ struct LoopOnPart {
   // Of the trace: the integral of the ratio of formed to flat area over its width, along it, times what stretch makes of the
   // ink (circuit.ink_stretch). An ink that only changes its shape has so many times the resistance of a printed square.
   double squares = 0;
-  int gaps = 1;        // that share the capacitance, at least 1
+  int gaps = 1;  // that share the capacitance, at least 1
 };
 
 struct LoopCircuit {
-  double coil_ohm = 0;  // of its trace
-  double body_ohm = 0;  // of the body as a sphere; 0: no body
-  double most_body_ohm = 0;  // of a half space at the loop's distance: a bound
+  double coil_ohm = 0;              // of its trace
+  double body_ohm = 0;              // of the body as a sphere; 0: no body
+  double most_body_ohm = 0;         // of a half space at the loop's distance: a bound
   double unloaded = 0, loaded = 0;  // qualities
-  double noise_db = 0;  // what the coil's own loss adds to the noise of the body
-  double matching_pf = 0;  // across the port; 0: the loop has more resistance than the port
-  double series_pf = 0;    // of all other capacitors in series, then
+  double noise_db = 0;              // what the coil's own loss adds to the noise of the body
+  double matching_pf = 0;           // across the port; 0: the loop has more resistance than the port
+  double series_pf = 0;             // of all other capacitors in series, then
   // In all, for each of its gaps, and of the E24 series.
   struct Capacitors {
     double mhz = 0, total_pf = 0, gap_pf = 0, standard_pf = 0, detuning = 0;

@@ -18,7 +18,8 @@ using Eigen::Vector3d;
 // Between the rows, and beyond them the nearest.
 double at_stretch(const std::vector<std::array<double, 2>>& rows, double stretch) {
   if (rows.empty()) return 1;
-  const auto after = std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row[0] >= stretch; });
+  const auto after =
+      std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row[0] >= stretch; });
   if (after == rows.begin()) return rows.front()[1];
   if (after == rows.end()) return rows.back()[1];
   const auto &a = *(after - 1), &b = *after;
@@ -50,8 +51,10 @@ class Loops {
       const std::size_t next = (i + 1) % flat.size();
       const double formed = (out.line[next] - out.line[i]).norm(), length = (flat[next] - flat[i]).norm();
       if (!(length > 0)) continue;
-      const double area = job_.settings.sheet.thickness_mm / job_.sheet.element_thickness[index(triangles[i])];
-      out.squares += area * formed / width_mm * at_stretch(job_.settings.circuit.ink_stretch, formed / length);
+      const double area =
+          job_.settings.sheet.thickness_mm / job_.sheet.element_thickness[index(triangles[i])];
+      out.squares +=
+          area * formed / width_mm * at_stretch(job_.settings.circuit.ink_stretch, formed / length);
     }
     return out;
   }
@@ -93,7 +96,8 @@ std::optional<CircuitFigures> circuit_figures(const Finished& job, const VectorP
     for (std::size_t e = 0; e < vectors.elements.size(); ++e) {
       if (vectors.elements[e].id != coil.id || !vectors.elements[e].loop) continue;
       const double width = job.placed->elements[e].loop->width_mm * job.settings.pattern.scale;
-      LoopOnPart loop = loops.on_part(static_cast<int>(e), *vectors.elements[e].loop, width, *coil.with->inductance_nh);
+      LoopOnPart loop =
+          loops.on_part(static_cast<int>(e), *vectors.elements[e].loop, width, *coil.with->inductance_nh);
       if (loop.line.empty()) continue;
       out.loops.push_back(std::move(loop));
       out.elements.push_back(static_cast<int>(e));

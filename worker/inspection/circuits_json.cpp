@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "worker/forming/inked_face.hpp"
+#include "worker/inspection/array_files.hpp"
 #include "worker/inspection/json_numbers.hpp"
 #include "worker/stage/index.hpp"
 
@@ -11,10 +12,6 @@ namespace vacuform {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json gap_json(const LoopGap& gap) {
-  return {{"port", gap.port}, {"drawn", gap.drawn}, {"place_mm", array(gap.place, 1)}};
-}
 
 }  // namespace
 
@@ -37,7 +34,8 @@ Json circuits_json(const Finished& job) {
     if (!job.placed->elements[index(placed.element)].loop) continue;
     Json gaps = Json::array();
     for (const LoopGap& gap : job.build->gaps)
-      if (gap.coil == placed.element) gaps.push_back(gap_json(gap));
+      if (gap.coil == placed.element)
+        gaps.push_back({{"port", gap.port}, {"drawn", gap.drawn}, {"place_mm", array(gap.place, 1)}});
     const InkedFace face = job.settings.pattern.inked_face;
     coils.push_back({{"id", id(placed.element)},
                      {"face", name(job.build->faces[index(placed.element)] == 0 ? face : other_face(face))},
@@ -53,7 +51,8 @@ Json circuits_json(const Finished& job) {
           {"opens", places(check.opens, false)},
           {"close", places(check.close, true)},
           {"coils", std::move(coils)},
-          {"bridges", std::move(bridges)}};
+          {"bridges", std::move(bridges)},
+          {"electrical", job.figures.electrical ? electrical_json(job) : Json()}};
 }
 
 }  // namespace vacuform

@@ -142,6 +142,30 @@ std::string bars(const Bars& b) {
          "</figcaption></figure>\n";
 }
 
+std::string matrix(const Matrix& m) {
+  constexpr double left = 70, top = 8, most_wide = 400;
+  const double cell =
+      std::min(22.0, most_wide / static_cast<double>(std::max<std::size_t>(1, m.names.size())));
+  const double side = cell * static_cast<double>(m.names.size());
+  std::string out = open_svg(left + side + 8, top + side + 8, m.title);
+  for (std::size_t a = 0; a < m.names.size(); ++a) {
+    const double y = top + cell * static_cast<double>(a);
+    out += words(left - 6, y + 0.5 * cell + 4, "end", m.names[a].substr(0, 12));
+    for (std::size_t b = 0; b < m.names.size(); ++b) {
+      const double x = left + cell * static_cast<double>(b);
+      const std::optional<double>& value = m.values[a][b];
+      const double strength = value ? std::min(1.0, std::abs(*value) / m.full) : 0;
+      out += "<rect x=\"" + number(x) + "\" y=\"" + number(y) + "\" width=\"" + number(cell) +
+             "\" height=\"" + number(cell) + "\" class=\"" +
+             (value ? *value < 0 ? "below" : "above" : "none") + "\" fill-opacity=\"" + decimal(strength, 2) +
+             "\"><title>" + escaped(m.names[a]) + ", " + escaped(m.names[b]) +
+             (value ? ": " + decimal(*value, 4) : std::string()) + "</title></rect>";
+    }
+  }
+  return "<figure class=\"chart\">" + out + "</svg><figcaption>" + escaped(m.title) +
+         "</figcaption></figure>\n";
+}
+
 std::string legend() {
   return "<p class=\"legend\"><svg viewBox=\"0 0 22 12\" aria-hidden=\"true\">" +
          rectangle(1, 1, 20, 10, "with") +
@@ -180,6 +204,8 @@ figcaption { font-size: .9rem; padding-top: .25rem; }
 .chart svg { width: 100%; height: auto; max-width: 34rem; font-size: 12px; fill: var(--text); }
 .legend svg { width: 22px; height: 12px; margin-left: .8rem; }
 svg .with { fill: var(--with); } svg .without { fill: none; stroke: var(--without); stroke-width: 1.6; }
+svg .below { fill: var(--with); stroke: var(--rule); } svg .above { fill: var(--without); stroke: var(--rule); }
+svg .none { fill: none; stroke: var(--rule); }
 svg .grid { stroke: var(--rule); stroke-width: .6; } svg .axis { stroke: var(--text); stroke-width: 1; }
 .warnings > li { margin-bottom: .6rem; } .warnings b:first-child { color: var(--warn); text-transform: capitalize; }
 .warnings .serious b:first-child { color: var(--serious); } .warnings .note b:first-child { color: var(--soft); }

@@ -44,6 +44,15 @@ struct Bars {
 };
 std::string bars(const Bars& bars);
 
+// A square matrix as a picture: signed values by colour, full at `full`, blue below 0 and orange above. Cells name themselves.
+struct Matrix {
+  std::string title;
+  std::vector<std::string> names;
+  std::vector<std::vector<std::optional<double>>> values;  // nothing: no value, as on the diagonal
+  double full = 1;
+};
+std::string matrix(const Matrix& matrix);
+
 // The texts that identify the two ways of printing, with the colours and patterns of the charts.
 std::string legend();
 

@@ -103,8 +103,7 @@ std::string matrix_table(const ReportJson& couplings) {
 std::string couplings_part(const ReportJson& report) {
   const ReportJson& couplings = at(report, {"couplings"});
   std::string out;
-  for (const std::string& sentence :
-       {circuits_text(report), coupling_text(report), what_geometry_allows(report)})
+  for (const std::string& sentence : {coupling_text(report), what_geometry_allows(report)})
     if (!sentence.empty()) out += "<p>" + escaped(sentence) + "</p>\n";
   if (!at(couplings, {"k"}).is_array()) return out;
   constexpr std::size_t most_columns = 24, most_rows = 10;
@@ -127,26 +126,6 @@ std::string keep_text(const ReportJson& report) {
 }
 
 }  // namespace
-
-std::string circuits_text(const ReportJson& report) {
-  const ReportJson& circuits = at(report, {"circuits"});
-  if (!circuits.is_object()) return "";
-  const auto counted = [](std::size_t count, const std::string& what) {
-    return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
-  };
-  const std::size_t loops = circuits["loops"].get<std::size_t>(), bridges = circuits["bridges"].size();
-  std::size_t gaps = 0, reverse = 0;
-  for (const ReportJson& coil : circuits["coils"]) {
-    gaps += coil["gaps"].size();
-    reverse += coil["face"] != circuits["coils"].front()["face"];
-  }
-  std::string out = counted(loops, "loop") + ": " + counted(circuits["nets"].get<std::size_t>(), "net") +
-                    ", " + counted(circuits["shorts"].size(), "short") + ", " +
-                    counted(circuits["opens"].size(), "open") + "; " + counted(bridges, "bridge") + ", " +
-                    counted(gaps, "gap");
-  if (reverse > 0) out += "; on two faces";
-  return out + ".";
-}
 
 std::string coupling_text(const ReportJson& report) {
   const ReportJson &coils = at(report, {"figures", "with", "coils"}),

@@ -163,6 +163,7 @@ std::string report_html(const ReportJson& report, const std::vector<Artifact>& f
   out += pictures("Segments", previews, {"preview-segments.png"});
   out += segments_section(report);
   out += coils_section(report);
+  out += circuits_section(report);
   out += traces_section(report);
   out += pictures("On the part", previews,
                   {"preview-findings.png", "preview-thickness.png", "preview-shape.png", "preview-area.png",

@@ -41,6 +41,7 @@ std::string warnings_section(const ReportJson& report);
 std::string colours_section(const ReportJson& report);  // against those of the scan
 std::string segments_section(const ReportJson& report);
 std::string coils_section(const ReportJson& report);
+std::string circuits_section(const ReportJson& report);
 std::string traces_section(const ReportJson& report);
 std::string histograms_section(const ReportJson& report);
 std::string process_section(const ReportJson& report);  // mold, heat, forming, vents

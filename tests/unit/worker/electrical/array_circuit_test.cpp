@@ -29,7 +29,8 @@ TEST(FitSphere, FindsOneOffTheOriginFromAPart) {
   std::vector<Vector3d> points;
   for (int i = 0; i < 200; ++i) {
     const double a = 0.1 + 0.006 * i, b = 2.4 * i;
-    points.emplace_back(12 + 85 * std::sin(a) * std::cos(b), -7 + 85 * std::sin(a) * std::sin(b), 31 + 85 * std::cos(a));
+    points.emplace_back(12 + 85 * std::sin(a) * std::cos(b), -7 + 85 * std::sin(a) * std::sin(b),
+                        31 + 85 * std::cos(a));
   }
   const auto found = fit_sphere(points);
   ASSERT_TRUE(found);
@@ -44,7 +45,7 @@ TEST(FitSphere, FindsOneOffTheOriginFromAPart) {
 // Two loops of 80 mm and 5 mm, 10 mm over a sphere of 85 mm, their axes 37 degrees apart.
 TEST(ArrayCircuit, IsThatOfTwoLoopsOverASphere) {
   const Vector3d centre(3, 20, -8), one = Vector3d(0.2, 0.1, 1).normalized(),
-                 other = Eigen::AngleAxisd(37 * M_PI / 180, one.unitOrthogonal()) * one;
+                                    other = Eigen::AngleAxisd(37 * M_PI / 180, one.unitOrthogonal()) * one;
   CircuitSettings settings;
   settings.ink_mohm = 25.4;  // 10 mohm at 25.4 um, 10 um thick
   std::vector<LoopOnPart> loops;
@@ -72,7 +73,8 @@ TEST(ArrayCircuit, IsThatOfTwoLoopsOverASphere) {
   EXPECT_NEAR(loop.capacitors[2].mhz, 298.04, 0.01);
 
   settings.ink_mohm *= 2;
-  EXPECT_NEAR(array_circuit(loops, {centre, 85, 0}, 10, settings).loops[0].coil_ohm, 2 * array.loops[0].coil_ohm, 1e-9);
+  EXPECT_NEAR(array_circuit(loops, {centre, 85, 0}, 10, settings).loops[0].coil_ohm,
+              2 * array.loops[0].coil_ohm, 1e-9);
 }
 
 }  // namespace

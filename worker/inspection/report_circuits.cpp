@@ -1,0 +1,105 @@
+// The part of report.html about the loops as circuits: what is printed, what they lose, what is soldered.
+#include <algorithm>
+#include <cmath>
+
+#include "api/base/decimal.hpp"
+#include "worker/inspection/html.hpp"
+#include "worker/inspection/report_sections.hpp"
+
+namespace vacuform {
+
+namespace {
+
+std::string loops_table(const ReportJson& electrical) {
+  html::Rows rows;
+  for (const ReportJson& loop : electrical["loops"])
+    rows.push_back({text_of(loop["id"]), number_text(loop["inductance_nh"], 1), number_text(loop["coil_ohm"], 2),
+                    number_text(loop["body_ohm"], 2), number_text(loop["most_body_ohm"], 2),
+                    number_text(loop["unloaded_q"], 0), number_text(loop["loaded_q"], 0),
+                    number_text(loop["noise_db"], 2), number_text(loop["capacitors"][0]["total_pf"], 1),
+                    number_text(loop["capacitors"][1]["total_pf"], 1),
+                    number_text(loop["capacitors"][2]["total_pf"], 2)});
+  return html::table("Loops at " + number_text(electrical["frequency_mhz"], 2) +
+                         " MHz. R of the body is that of a sphere, and at most that of a half space. Noise: what the "
+                         "loss of the coil adds to that of the body",
+                     {{"Loop"},
+                      {"L, nH", true},
+                      {"R of the coil, Ω", true},
+                      {"R of the body, Ω", true},
+                      {"at most, Ω", true},
+                      {"Q unloaded", true},
+                      {"Q loaded", true},
+                      {"Noise, dB", true},
+                      {"C at 1.5 T, pF", true},
+                      {"at 3 T", true},
+                      {"at 7 T", true}},
+                     rows);
+}
+
+std::string capacitors_table(const ReportJson& electrical) {
+  html::Rows rows;
+  int number = 0;
+  for (const ReportJson& loop : electrical["loops"])
+    for (const ReportJson& gap : loop["gaps"]) {
+      const ReportJson& place = gap["place_mm"];
+      rows.push_back({std::to_string(++number), text_of(loop["id"]), gap["port"] == true ? "port" : "capacitor",
+                      number_text(gap["wanted_pf"], 2), number_text(gap["standard_pf"], 1),
+                      number_text(place[0], 1), number_text(place[1], 1), number_text(place[2], 1)});
+    }
+  if (rows.empty()) return "";
+  return html::table("Capacitors to start from: those of a port match it, all others tune the loop",
+                     {{"Number"},
+                      {"Loop"},
+                      {"Gap"},
+                      {"Wanted, pF", true},
+                      {"E24, pF", true},
+                      {"x, mm", true},
+                      {"y, mm", true},
+                      {"z, mm", true}},
+                     rows);
+}
+
+std::string couplings_picture(const ReportJson& report) {
+  const ReportJson &ids = at(report, {"couplings", "coils"}), &k = at(report, {"couplings", "k"});
+  if (!k.is_array()) return "";
+  html::Matrix matrix{"Coupling k of every two coils, in full colour from 0.03 on", {}, {}, 0.03};
+  for (std::size_t a = 0; a < ids.size(); ++a) {
+    matrix.names.push_back(text_of(ids[a]));
+    auto& row = matrix.values.emplace_back();
+    for (std::size_t b = 0; b < ids.size(); ++b)
+      row.push_back(a != b && k[a][b].is_number() ? std::optional(k[a][b].get<double>()) : std::nullopt);
+  }
+  return html::matrix(matrix);
+}
+
+}  // namespace
+
+std::string circuits_text(const ReportJson& report) {
+  const ReportJson& circuits = at(report, {"circuits"});
+  if (!circuits.is_object()) return "";
+  const auto counted = [](std::size_t count, const std::string& what) {
+    return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+  };
+  std::size_t gaps = 0, reverse = 0;
+  for (const ReportJson& coil : circuits["coils"]) {
+    gaps += coil["gaps"].size();
+    reverse += coil["face"] != circuits["coils"].front()["face"];
+  }
+  std::string out = counted(circuits["loops"].get<std::size_t>(), "loop") + ": " +
+                    counted(circuits["nets"].get<std::size_t>(), "net") + ", " +
+                    counted(circuits["shorts"].size(), "short") + ", " + counted(circuits["opens"].size(), "open") +
+                    "; " + counted(circuits["bridges"].size(), "bridge") + ", " + counted(gaps, "gap");
+  if (reverse > 0) out += "; on two faces";
+  return out + ".";
+}
+
+std::string circuits_section(const ReportJson& report) {
+  const std::string checked = circuits_text(report);
+  if (checked.empty()) return "";
+  std::string out = "<h2>Circuits</h2>\n<p>" + escaped(checked) + "</p>\n" + couplings_picture(report);
+  const ReportJson& electrical = at(report, {"circuits", "electrical"});
+  if (!electrical.is_object()) return out;
+  return out + loops_table(electrical) + capacitors_table(electrical);
+}
+
+}  // namespace vacuform
