@@ -1,12 +1,15 @@
 """Arrays as circuits: a reader of its own takes the polygons of every layer from print-*.svg and joins what touches. Sixteen and
 thirty-one loops on two heads are as many nets as loops, without a short or an open, and keep their clearance on the part."""
 import collections
+import csv
 import itertools
 import json
 import math
+import subprocess
 import unittest
 import xml.etree.ElementTree as ElementTree
 
+import numpy
 from shapely.geometry import Polygon
 from shapely.ops import nearest_points, unary_union
 
@@ -136,6 +139,54 @@ class Circuits(Case):
                 self.assertEqual({c["face"] for c in report["circuits"]["coils"]}, {"outer", "inner"})
                 couplings = report["figures"]["with"]["coils"]
                 self.assertLess(abs(couplings["strongest_neighbours"]["k"]), 0.01)
+
+    def test_the_files_for_the_bench_and_for_other_programs(self):
+        out, report = self.run_array(made_scans.adult(), 16, "coils.build=two_faces", "coils.gaps=4")
+        array = json.loads((out / "array.json").read_text())
+        frequency = array["frequency_mhz"]
+        omega = 2e6 * math.pi * frequency
+        rows = list(csv.DictReader((out / "coils.csv").open(newline="")))
+        self.assertEqual(len(rows), 64)
+        self.assertEqual([r["kind"] for r in rows[:4]], ["port"] + 3 * ["capacitor"])
+        henry = numpy.array([loop["inductance_nh"] for loop in array["loops"]]) * 1e-9
+        ohm = numpy.array([loop["coil_ohm"] + loop["body_ohm"] for loop in array["loops"]])
+        for loop in array["loops"]:
+            of_loop = [r for r in rows if r["loop"] == loop["id"]]
+            # The capacitors in series, and what they leave of the reactance, match the loop to the port.
+            series = 1 / sum(1e12 / float(r["wanted_pF"]) for r in of_loop if r["kind"] == "capacitor")
+            z = loop["coil_ohm"] + loop["body_ohm"] + 1j * (omega * loop["inductance_nh"] * 1e-9 - 1 / (omega * series))
+            seen = 1 / (1 / z + 1j * omega * float(of_loop[0]["wanted_pF"]) * 1e-12)
+            self.assertLess(abs(seen - 50), 1, loop["id"])
+            for r in of_loop:
+                self.assertLess(abs(float(r["value_pF"]) / float(r["wanted_pF"]) - 1), 0.06, r)
+            for r, place in zip(of_loop, (gap["place_mm"] for gap in loop["gaps"])):
+                self.assertEqual([float(r[axis + "_mm"]) for axis in "xyz"], place)
+        # The sphere that the head is taken for, and the two bounds of what it costs.
+        self.assertTrue(60 < array["body"]["radius_mm"] < 110, array["body"])
+        self.assertTrue(all(0 < loop["body_ohm"] < loop["most_body_ohm"] for loop in array["loops"]))
+
+        # A reader of Touchstone 2.0: the matrix is that of the loops, reciprocal and passive.
+        words = (out / "array.ts").read_text().split("[Network Data]")
+        self.assertIn("# MHz S RI R 50", words[0])
+        self.assertIn("[Number of Ports] 16", words[0])
+        numbers = [float(word) for word in words[1].replace("[End]", "").split()]
+        self.assertEqual(len(numbers), 51 * (1 + 2 * 256))
+        middle = numbers[25 * 513:26 * 513]
+        self.assertAlmostEqual(middle[0], frequency, places=5)
+        s = (numpy.array(middle[1::2]) + 1j * numpy.array(middle[2::2])).reshape(16, 16)
+        self.assertLess(abs(s - s.T).max(), 1e-6)
+        self.assertLess(numpy.linalg.svd(s)[1].max(), 1)
+        self.assertLess(abs(s.diagonal()).max(), 0.6)
+
+        # NEC-2 reads the wires as they are. It knows the field of the charges, too, and agrees about the loop's own figures.
+        done = subprocess.run(["nec2c", "-i", out / "array.nec", "-o", out / "array.out"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        line = (out / "array.out").read_text().split("ANTENNA INPUT PARAMETERS")[1].splitlines()[3].split()
+        k = numpy.array(array["k"])
+        series = numpy.array([loop["series_pf"] for loop in array["loops"]]) * 1e-12
+        z = 1j * omega * k * numpy.sqrt(numpy.outer(henry, henry)) + numpy.diag(ohm + 1 / (1j * omega * series))
+        port = 1 / numpy.linalg.inv(z)[0, 0]
+        self.assertLess(abs(complex(float(line[6]), float(line[7])) - port), 0.1 * omega * henry[0], port)
 
     def test_one_layer_is_a_short_circuit_and_says_so(self):
         out, report = self.run_array(made_scans.adult(), 16)
