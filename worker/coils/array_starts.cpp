@@ -26,8 +26,7 @@ double ratio_of(const LayoutSettings& wish) { return wish.overlap > 0 ? wish.ove
 
 // A loop's centre stays half a cell from the border of what is tessellated, and its line reaches farther.
 double margin_for(double spacing_mm, double ratio) {
-  const double radius = 0.5 * spacing_mm / ratio;
-  return radius - 0.5 * spacing_mm + loop_trace_mm(radius) / 2 + 1;
+  return (0.5 / ratio - 0.5) * spacing_mm + widest_trace_mm / 2 + 1;
 }
 
 // A corner of one of the chart's triangles.
@@ -304,7 +303,7 @@ LaidElement loop_of(int number, double radius) {
                                Vector2d(std::cos(2 * M_PI * i / points), std::sin(2 * M_PI * i / points)));
   out.outline.points = out.outline.loop;
   out.outline.radius_mm = radius;
-  out.outline.reach_mm = radius + loop_trace_mm(radius);
+  out.outline.reach_mm = radius + widest_trace_mm;
   out.outline.width_mm = loop_trace_mm(radius);
   return out;
 }

@@ -11,9 +11,10 @@
 
 namespace vacuform {
 
-// The width of the line of a loop: 3 mm, less for small loops, so that bridges and gaps have room between its crossings.
+// The width of the line of a loop: less for small loops, so that bridges and gaps have room between its crossings.
+inline constexpr double widest_trace_mm = 3;
 inline double loop_trace_mm(double radius_mm) {
-  return std::clamp(std::floor(radius_mm / 0.9) / 10, 1.0, 3.0);
+  return std::clamp(std::floor(radius_mm / 0.9) / 10, 1.0, widest_trace_mm);
 }
 inline constexpr double critical =
     0.75;  // spacing over diameter that decouples: 0.758 on a plane, 0.736 on a small head

@@ -68,6 +68,10 @@ Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& cont
     add("array.nec", array_nec(job));
     add("array.ts", array_touchstone(job));
   }
+  // In the order of the table, whatever the order of the layers.
+  std::sort(files.begin(), files.end(), [](const Artifact& a, const Artifact& b) {
+    return artifact_kind(a.name) < artifact_kind(b.name);
+  });
   VACUFORM_CHECK(context.step(Stage::inspection, 1));
   return files;
 }

@@ -13,27 +13,29 @@ namespace {
 std::string loops_table(const ReportJson& electrical) {
   html::Rows rows;
   for (const ReportJson& loop : electrical["loops"])
-    rows.push_back({text_of(loop["id"]), number_text(loop["inductance_nh"], 1), number_text(loop["coil_ohm"], 2),
-                    number_text(loop["body_ohm"], 2), number_text(loop["most_body_ohm"], 2),
-                    number_text(loop["unloaded_q"], 0), number_text(loop["loaded_q"], 0),
-                    number_text(loop["noise_db"], 2), number_text(loop["capacitors"][0]["total_pf"], 1),
+    rows.push_back({text_of(loop["id"]), number_text(loop["inductance_nh"], 1),
+                    number_text(loop["coil_ohm"], 2), number_text(loop["body_ohm"], 2),
+                    number_text(loop["most_body_ohm"], 2), number_text(loop["unloaded_q"], 0),
+                    number_text(loop["loaded_q"], 0), number_text(loop["noise_db"], 2),
+                    number_text(loop["capacitors"][0]["total_pf"], 1),
                     number_text(loop["capacitors"][1]["total_pf"], 1),
                     number_text(loop["capacitors"][2]["total_pf"], 2)});
-  return html::table("Loops at " + number_text(electrical["frequency_mhz"], 2) +
-                         " MHz. R of the body is that of a sphere, and at most that of a half space. Noise: what the "
-                         "loss of the coil adds to that of the body",
-                     {{"Loop"},
-                      {"L, nH", true},
-                      {"R of the coil, Ω", true},
-                      {"R of the body, Ω", true},
-                      {"at most, Ω", true},
-                      {"Q unloaded", true},
-                      {"Q loaded", true},
-                      {"Noise, dB", true},
-                      {"C at 1.5 T, pF", true},
-                      {"at 3 T", true},
-                      {"at 7 T", true}},
-                     rows);
+  return html::table(
+      "Loops at " + number_text(electrical["frequency_mhz"], 2) +
+          " MHz. R of the body is that of a sphere, and at most that of a half space. Noise: what the "
+          "loss of the coil adds to that of the body",
+      {{"Loop"},
+       {"L, nH", true},
+       {"R of the coil, Ω", true},
+       {"R of the body, Ω", true},
+       {"at most, Ω", true},
+       {"Q unloaded", true},
+       {"Q loaded", true},
+       {"Noise, dB", true},
+       {"C at 1.5 T, pF", true},
+       {"at 3 T", true},
+       {"at 7 T", true}},
+      rows);
 }
 
 std::string capacitors_table(const ReportJson& electrical) {
@@ -42,9 +44,10 @@ std::string capacitors_table(const ReportJson& electrical) {
   for (const ReportJson& loop : electrical["loops"])
     for (const ReportJson& gap : loop["gaps"]) {
       const ReportJson& place = gap["place_mm"];
-      rows.push_back({std::to_string(++number), text_of(loop["id"]), gap["port"] == true ? "port" : "capacitor",
-                      number_text(gap["wanted_pf"], 2), number_text(gap["standard_pf"], 1),
-                      number_text(place[0], 1), number_text(place[1], 1), number_text(place[2], 1)});
+      rows.push_back({std::to_string(++number), text_of(loop["id"]),
+                      gap["port"] == true ? "port" : "capacitor", number_text(gap["wanted_pf"], 2),
+                      number_text(gap["standard_pf"], 1), number_text(place[0], 1), number_text(place[1], 1),
+                      number_text(place[2], 1)});
     }
   if (rows.empty()) return "";
   return html::table("Capacitors to start from: those of a port match it, all others tune the loop",
@@ -87,8 +90,9 @@ std::string circuits_text(const ReportJson& report) {
   }
   std::string out = counted(circuits["loops"].get<std::size_t>(), "loop") + ": " +
                     counted(circuits["nets"].get<std::size_t>(), "net") + ", " +
-                    counted(circuits["shorts"].size(), "short") + ", " + counted(circuits["opens"].size(), "open") +
-                    "; " + counted(circuits["bridges"].size(), "bridge") + ", " + counted(gaps, "gap");
+                    counted(circuits["shorts"].size(), "short") + ", " +
+                    counted(circuits["opens"].size(), "open") + "; " +
+                    counted(circuits["bridges"].size(), "bridge") + ", " + counted(gaps, "gap");
   if (reverse > 0) out += "; on two faces";
   return out + ".";
 }
