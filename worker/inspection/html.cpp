@@ -155,11 +155,11 @@ std::string matrix(const Matrix& m) {
       const double x = left + cell * static_cast<double>(b);
       const std::optional<double>& value = m.values[a][b];
       const double strength = value ? std::min(1.0, std::abs(*value) / m.full) : 0;
-      out += "<rect x=\"" + number(x) + "\" y=\"" + number(y) + "\" width=\"" + number(cell) +
-             "\" height=\"" + number(cell) + "\" class=\"" +
-             (value ? *value < 0 ? "below" : "above" : "none") + "\" fill-opacity=\"" + decimal(strength, 2) +
-             "\"><title>" + escaped(m.names[a]) + ", " + escaped(m.names[b]) +
-             (value ? ": " + decimal(*value, 4) : std::string()) + "</title></rect>";
+      out += "<g><title>" + escaped(m.names[a]) + ", " + escaped(m.names[b]) +
+             (value ? ": " + decimal(*value, 4) : std::string()) + "</title><rect x=\"" + number(x) +
+             "\" y=\"" + number(y) + "\" width=\"" + number(cell) + "\" height=\"" + number(cell) +
+             "\" class=\"" + (value ? *value < 0 ? "below" : "above" : "none") + "\" fill-opacity=\"" +
+             decimal(strength, 2) + "\"/></g>";
     }
   }
   return "<figure class=\"chart\">" + out + "</svg><figcaption>" + escaped(m.title) +

@@ -99,7 +99,7 @@ Result<LaidPattern> lay_pattern(Pattern pattern, const Inputs& inputs, const Cha
     if (auto coupled = coupling_warning(pairs, true)) laid.warnings.push_back(*std::move(coupled));
   }
   laid.placement = std::move(placement);
-  VACUFORM_CHECK(build_loops(laid, reverse, s, decoupling.context()));
+  VACUFORM_CHECK(build_loops(laid, reverse, s, decoupling.context().silent()));
   VACUFORM_TRY(alignment, align_flat(charted, s.pattern));
   laid.alignment = alignment;
   return laid;

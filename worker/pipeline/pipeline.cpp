@@ -195,7 +195,8 @@ Result<std::vector<Artifact>> run_stages(const Inputs& inputs, const Use& use, c
                                    both ? &reverse : nullptr, both ? laid.build->faces : std::vector<int>()},
                                   s.coils, measuring.context()));
     job.figures.measured = std::move(figures);
-    VACUFORM_TRY(circuits, check_circuits(laid, print, charted, reverse, s.coils, measuring.context()));
+    VACUFORM_TRY(circuits,
+                 check_circuits(laid, print, charted, reverse, s.coils, measuring.context().silent()));
     if (circuits)
       for (Warning& warning : circuits->warnings(*laid.lines, s.coils.clearance_mm))
         print.warnings.push_back(std::move(warning));
