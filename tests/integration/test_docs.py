@@ -266,13 +266,18 @@ exec {shlex.quote(str(BIN / "vacuform"))} "$@"
         (programs / "vacuform").chmod(0o755)
         said = self.run_blocks(shell_blocks("docs/tutorial-first-print.md"), here)
         self.assertRegex(said, r"(?m)^trim +85\.\d mm")
-        for folder in "preview", "decoupled", "print", "turned":
+        for folder in "preview", "array", "print", "turned":
             self.assertEqual((here / folder / "print.pdf").read_bytes()[:5], b"%PDF-", folder)
             self.assertTrue((here / folder / "report.html").exists())
         self.assertFalse((here / "cache").exists())
         # What the tutorial says that one sees there.
         self.assertRegex(said, r"Circles out of round, mean \(worst\) +1[23]\.\d\d % .* 0\.0\d % ")
-        self.assertIn("0 serious warnings, 3 warnings", said.partition("Files: ")[0])
+        alone, parted, *_ = said.split("Files: ")
+        self.assertIn("1 serious warning, 3 warnings", alone)
+        self.assertIn("19 loops: 1 net,", alone)
+        self.assertIn("0 serious warnings, ", parted)
+        self.assertIn("19 loops: 19 nets, 0 shorts, 0 opens; 84 bridges, 76 gaps.", parted)
+        self.assertTrue((here / "print/print-bridges.pdf").exists())
         self.assertIn("Largest coupling", said)
 
     def test_sessions_of_readme_and_api(self):

@@ -356,8 +356,8 @@ std::vector<Warning> ElectricalCheck::warnings(const Drawing& drawing, double cl
   }
   if (!opens.empty()) {
     Warning& warning = out.emplace_back(about(drawing, "coils-open", opens));
-    warning.text = counted(opens.size(), " place", " places") +
-                   " of loops has no ink, no bridge and no gap for a capacitor";
+    warning.text = counted(opens.size(), " place of a loop has", " places of loops have") +
+                   " no ink, no bridge and no gap for a capacitor";
   }
   if (!close.empty()) {
     const auto nearest = std::min_element(close.begin(), close.end(),

@@ -95,7 +95,7 @@ TriangleMesh sample_head(HeadForm form) {
 }
 
 std::string sample_pattern() {
-  constexpr double diameter = 45, stroke = 3, apart = 0.75802 * diameter;
+  constexpr double diameter = 45, stroke = 2.5, apart = 0.75802 * diameter;
   const double row = apart * std::sqrt(3.0) / 2;
   const double width = 4 * apart + diameter + stroke + 2, height = 4 * row + diameter + stroke + 2;
   std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + fixed(width) + "mm\" height=\"" +

@@ -21,7 +21,7 @@ TriangleMesh sample_head(HeadForm form = HeadForm::adult);
 
 // Nineteen overlapping loops of 45 mm in a hexagonal array, as an SVG in millimetres. Neighbours are 0.75802
 // diameters apart, where coplanar circles have no mutual inductance (Roemer et al. 1990, "The NMR phased
-// array"). Each loop is one <g id="coil-1"> ... <g id="coil-19">.
+// array"). The lines are 2.5 mm wide, which leaves room for bridges between the crossings. Each loop is one <g id="coil-1"> ... <g id="coil-19">.
 std::string sample_pattern();
 
 }  // namespace vacuform

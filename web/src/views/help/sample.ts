@@ -8,7 +8,10 @@ import {announce} from '../../state';
 import {t} from '../../text';
 
 // Coarse, so that the result is there in some seconds.
-const settings = {sheet: {resolution_mm: 4}, print: {dpi: 150}, scan: {front: '+y', left_side: 'minus_x'}};
+const settings = {
+  sheet: {resolution_mm: 4}, print: {dpi: 150}, scan: {front: '+y', left_side: 'minus_x'},
+  coils: {decouple: true, build: 'bridges', gaps: 4},
+};
 
 async function make(key: string): Promise<string> {
   const form = new FormData();
