@@ -17,6 +17,7 @@ namespace vacuform {
 
 namespace {
 
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 // Of a capacitor's footprint, mm on the part: between the pads, along the trace, and across it.
@@ -129,6 +130,25 @@ class Build {
     return best;
   }
 
+  LoopGap gap_of(std::size_t e, const Interval& along, bool port, bool drawn) const {
+    const Trace& trace = *traces_[e];
+    LoopGap out{.coil = static_cast<int>(e),
+                .along = along,
+                .port = port,
+                .drawn = drawn,
+                .number = static_cast<int>(build_.gaps.size()) + 1};
+    const double at = along.middle();
+    out.place = trace.at(at).value_or(Vector3d::Zero());
+    const auto middle = trace.rest(at), left = trace.rest(at, 1);
+    if (!middle || !left || !((*left - *middle).norm() > 0)) return out;
+    const Vector2d centre =
+        build_.placement(build_.faces[e], placement_).elements[index(placed_[e])].centre_rest;
+    const double side = (*left - *middle).dot(centre - *middle) < 0 ? -1 : 1;
+    out.rest = *middle;
+    out.inwards = side * (*left - *middle).normalized();
+    return out;
+  }
+
   void make_gaps() {
     std::vector<std::vector<Interval>> blocked(drawing_.elements.size());
     for (const Bridge& b : build_.bridges) {
@@ -140,8 +160,7 @@ class Build {
       if (!is_loop(e)) continue;
       const LoopPath& path = traces_[e]->path();
       const auto add = [&](const Interval& along, bool port, bool drawn) {
-        const auto place = traces_[e]->at(along.middle());
-        build_.gaps.push_back({static_cast<int>(e), along, port, drawn, place.value_or(Vector3d::Zero())});
+        build_.gaps.push_back(gap_of(e, along, port, drawn));
       };
       if (std::vector<Interval> drawn = drawn_gaps(path, ink_of(e)); !drawn.empty()) {
         const double port = towards_port(*traces_[e]);

@@ -26,7 +26,10 @@ struct LoopGap {
   Interval along;  // of its loop in the drawing (loop_path.hpp)
   bool port = false;
   bool drawn = false;              // in the drawing, and not made here
+  int number = 0;                  // from 1, in the tables and on the print
   Eigen::Vector3d place{0, 0, 0};  // of its middle on the inked surface of the coil's face, mm
+  Eigen::Vector2d rest{0, 0};      // the same on the flat sheet, mm
+  Eigen::Vector2d inwards{1, 0};   // there, a unit vector across the trace
 };
 
 struct ArrayBuild {

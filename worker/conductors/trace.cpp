@@ -12,16 +12,26 @@ using Eigen::Vector3d;
 Trace::Trace(const DrawnLoop& loop, const Patch& patch, double width_mm, double scale)
     : path_(loop), patch_(patch), locator_(patch.triangles, patch.uv), width_mm_(width_mm), scale_(scale) {}
 
-std::optional<Vector3d> Trace::at(double along, double left_mm) const {
+std::optional<SheetPoint> Trace::find(double along, double left_mm) const {
   Vector2d uv = path_.at(along);
   if (left_mm != 0) {
     constexpr double step = 0.05;
     const Vector2d ahead = (path_.at(along + step) - path_.at(along - step)).normalized();
     uv += left_mm / scale_ * Vector2d(-ahead.y(), ahead.x());
   }
-  const auto found = locator_.nearest(uv, 1e-3);
+  return locator_.nearest(uv, 1e-3);
+}
+
+std::optional<Vector3d> Trace::at(double along, double left_mm) const {
+  const auto found = find(along, left_mm);
   if (!found) return std::nullopt;
   return interpolate(patch_.triangles, *found, patch_.inked);
+}
+
+std::optional<Vector2d> Trace::rest(double along, double left_mm) const {
+  const auto found = find(along, left_mm);
+  if (!found) return std::nullopt;
+  return interpolate(patch_.triangles, *found, patch_.rest);
 }
 
 double Trace::clear_of(double along, const Trace& other, double along_other, double beyond_mm) const {

@@ -24,11 +24,16 @@ class Trace {
   // patch.
   std::optional<Eigen::Vector3d> at(double along, double left_mm = 0) const;
 
+  // The same place on the flat sheet, mm.
+  std::optional<Eigen::Vector2d> rest(double along, double left_mm = 0) const;
+
   // How far the trace must be followed to both sides of where it crosses another, until all of it is farther than
   // `beyond_mm` from the other's edges: mm in the drawing, in steps of .05 mm on the part; a quarter of the loop at most.
   double clear_of(double along, const Trace& other, double along_other, double beyond_mm) const;
 
  private:
+  std::optional<SheetPoint> find(double along, double left_mm) const;
+
   LoopPath path_;
   const Patch& patch_;
   PlaneLocator locator_;

@@ -174,7 +174,8 @@ Json electrical_json(const Finished& job) {
                             {"standard_pf", rounded(c.standard_pf, 2)},
                             {"detuning", rounded(c.detuning, 4)}});
     for (const Soldered& each : soldered(job, i))
-      gaps.push_back({{"port", each.gap->port},
+      gaps.push_back({{"number", each.gap->number},
+                      {"port", each.gap->port},
                       {"drawn", each.gap->drawn},
                       {"wanted_pf", rounded(each.wanted_pf, 2)},
                       {"standard_pf", rounded(each.standard.pf, 2)},
@@ -203,12 +204,11 @@ Json electrical_json(const Finished& job) {
 
 std::string coils_csv(const Finished& job) {
   std::string out = "number,loop,gap,kind,wanted_pF,value_pF,detuning_percent,x_mm,y_mm,z_mm\r\n";
-  int number = 0;
   for (std::size_t i = 0; i < circuits(job).loops.size(); ++i) {
     int gap = 0;
     for (const Soldered& each : soldered(job, i)) {
       const bool port = each.gap->port;
-      out += std::to_string(++number) + ',' + field(id(job, i)) + ',' + std::to_string(++gap) +
+      out += std::to_string(each.gap->number) + ',' + field(id(job, i)) + ',' + std::to_string(++gap) +
              (port ? ",port" : ",capacitor");
       add(out, each.wanted_pf, 2, ',');
       add(out, each.standard.pf, 2, ',');

@@ -35,7 +35,10 @@ Json circuits_json(const Finished& job) {
     Json gaps = Json::array();
     for (const LoopGap& gap : job.build->gaps)
       if (gap.coil == placed.element)
-        gaps.push_back({{"port", gap.port}, {"drawn", gap.drawn}, {"place_mm", array(gap.place, 1)}});
+        gaps.push_back({{"number", gap.number},
+                        {"port", gap.port},
+                        {"drawn", gap.drawn},
+                        {"place_mm", array(gap.place, 1)}});
     const InkedFace face = job.settings.pattern.inked_face;
     coils.push_back({{"id", id(placed.element)},
                      {"face", name(job.build->faces[index(placed.element)] == 0 ? face : other_face(face))},

@@ -40,26 +40,27 @@ std::string loops_table(const ReportJson& electrical) {
 
 std::string capacitors_table(const ReportJson& electrical) {
   html::Rows rows;
-  int number = 0;
   for (const ReportJson& loop : electrical["loops"])
     for (const ReportJson& gap : loop["gaps"]) {
       const ReportJson& place = gap["place_mm"];
-      rows.push_back({std::to_string(++number), text_of(loop["id"]),
+      rows.push_back({number_text(gap["number"], 0), text_of(loop["id"]),
                       gap["port"] == true ? "port" : "capacitor", number_text(gap["wanted_pf"], 2),
                       number_text(gap["standard_pf"], 1), number_text(place[0], 1), number_text(place[1], 1),
                       number_text(place[2], 1)});
     }
   if (rows.empty()) return "";
-  return html::table("Capacitors to start from: those of a port match it, all others tune the loop",
-                     {{"Number"},
-                      {"Loop"},
-                      {"Gap"},
-                      {"Wanted, pF", true},
-                      {"E24, pF", true},
-                      {"x, mm", true},
-                      {"y, mm", true},
-                      {"z, mm", true}},
-                     rows);
+  return html::table(
+      "Capacitors to start from: those of a port match it, all others tune the loop. The numbers are printed "
+      "beside the gaps",
+      {{"Number"},
+       {"Loop"},
+       {"Gap"},
+       {"Wanted, pF", true},
+       {"E24, pF", true},
+       {"x, mm", true},
+       {"y, mm", true},
+       {"z, mm", true}},
+      rows);
 }
 
 std::string couplings_picture(const ReportJson& report) {

@@ -56,6 +56,15 @@ void sort_by_sight(std::vector<Layer>& layers, const std::vector<BuiltLayer>& bu
   layers = std::move(sorted);
 }
 
+// Of the gaps in the conductors of a layer.
+std::vector<PlaceNumber> numbers_on(const ArrayBuild& build, const BuiltLayer& layer) {
+  std::vector<PlaceNumber> out;
+  if (layer.step != PrintStep::conductor) return out;
+  for (const LoopGap& gap : build.gaps)
+    if (build.faces[index(gap.coil)] == layer.face) out.push_back({gap.number, gap.rest, gap.inwards});
+  return out;
+}
+
 Result<std::vector<Layer>> layers_of_build(const LaidPattern& laid, const Settings& settings,
                                            const Context& context) {
   const ArrayBuild& build = *laid.build;
@@ -72,7 +81,8 @@ Result<std::vector<Layer>> layers_of_build(const LaidPattern& laid, const Settin
     layers.push_back({.name = std::string(name_of(built)),
                       .face = built.face == 0 ? face : other_face(face),
                       .source = std::move(source),
-                      .step = build.layers.size() > 1 ? std::optional(built.step) : std::nullopt});
+                      .step = build.layers.size() > 1 ? std::optional(built.step) : std::nullopt,
+                      .numbers = numbers_on(build, built)});
   }
   sort_by_sight(layers, build.layers);
   return layers;

@@ -211,7 +211,8 @@ std::optional<Warning> length_warning(const LengthErrors& errors, const Drawing*
     if (std::find(ids.begin(), ids.end(), name) == ids.end()) ids.push_back(name);
   }
   const double worst = errors.pieces.front().error;
-  warning.text = in_percent(off / all) +
+  const double share = off / all;
+  warning.text = (share < 0.005 ? "Less than 1 %" : in_percent(share)) +
                  " of the drawing's lines come out longer or shorter than drawn by more than " +
                  in_percent(limit, 1) + ", at worst " + in_percent(errors.worst, 1) +
                  (worst > 0 ? " longer." : " shorter.");

@@ -1,6 +1,5 @@
 #include "worker/printing/laid_ink.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -70,6 +69,23 @@ double LaidInk::share_on(const ChartedSurface& charted) const {
     if (charted.on_chart(static_cast<int>(t))) on += area * static_cast<double>(sum);
   }
   return all > 0 ? on / all : 1;
+}
+
+bool LaidInk::any_in(const Eigen::AlignedBox2d& rest) const {
+  const auto column = [&](double x) {
+    return std::clamp(static_cast<int>(std::floor(x / grid_.pixel_mm + 0.5 * grid_.width)), 0,
+                      grid_.width - 1);
+  };
+  const auto row = [&](double y) {
+    return std::clamp(static_cast<int>(std::floor(0.5 * grid_.height - y / grid_.pixel_mm)), 0,
+                      grid_.height - 1);
+  };
+  for (int j = row(rest.max().y()); j <= row(rest.min().y()); ++j)
+    for (int i = column(rest.min().x()); i <= column(rest.max().x()); ++i)
+      if (ink_[static_cast<std::size_t>(j) * static_cast<std::size_t>(grid_.width) +
+               static_cast<std::size_t>(i)] >= faint)
+        return true;
+  return false;
 }
 
 bool LaidInk::any_near(const Vector2d& rest, double mm) const {

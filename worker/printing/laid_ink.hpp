@@ -2,7 +2,7 @@
 // worker/printing.
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <vector>
 
@@ -23,6 +23,8 @@ class LaidInk {
 
   // The share of the ink, by its area on the formed surface, that lies on the chart; 1 without any ink.
   double share_on(const ChartedSurface& charted) const;
+  // Whether there is ink in a box of the sheet.
+  bool any_in(const Eigen::AlignedBox2d& rest) const;
   // Whether there is ink closer than `mm` to a place of the sheet.
   bool any_near(const Eigen::Vector2d& rest, double mm) const;
 

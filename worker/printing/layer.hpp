@@ -46,12 +46,19 @@ class LayerSource {
   virtual const Pattern* under_charts() const { return nullptr; }
 };
 
+// A number that is printed beside its place, such as that of a gap, so that a table can name it.
+struct PlaceNumber {
+  int number = 0;
+  Eigen::Vector2d at{0, 0}, towards{1, 0};  // sheet coordinates, mm; a unit vector: the side to try first
+};
+
 struct Layer {
   std::string name;  // of its files: name.png, name.svg and name.pdf of api/job.hpp
   InkedFace face = InkedFace::outer;
   std::shared_ptr<const LayerSource> source;
   // Of a layer of an array that is printed in several steps: all that have one together are what the pattern is.
   std::optional<PrintStep> step = {};
+  std::vector<PlaceNumber> numbers = {};
 
   struct Files {
     // The whole sheet, exact dpi in pHYs, mirrored if the face is the inner one. Black ink gives 8-bit gray on white,
@@ -63,7 +70,8 @@ struct Layer {
     // of class "centreline"; for a layer without lines, its part of the sheet as an image. Group "marks": vectors and
     // text.
     std::string svg;
-    // The same on a page of the size of the sheet, vectors or a losslessly embedded image, texts as texts.
+    // The same on a page of the size of the sheet, vectors or a losslessly embedded image, texts as texts. That of the
+    // main layer has the pages of all others too, in the order of printing.
     std::vector<std::uint8_t> pdf;
   };
   Files files = {};

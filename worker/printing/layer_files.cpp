@@ -85,8 +85,9 @@ class PictureFiles {
   }
 
   std::vector<std::uint8_t> png;  // as it is in the SVG
-  std::span<const std::uint8_t> colour() const { return colour_ ? rgb_ : png; }
-  std::span<const std::uint8_t> opacity() const { return alpha_; }
+  // For a PDF, empty without opacity.
+  std::vector<std::uint8_t> take_colour() { return std::move(rgb_); }
+  std::vector<std::uint8_t> take_opacity() { return std::move(alpha_); }
 
  private:
   int width() const { return box_.right - box_.left; }
@@ -174,8 +175,8 @@ Result<void> pack_rows(const RowSource& source, const PrintFormat& format, Whole
 
 }  // namespace
 
-Result<Layer::Files> layer_files(const Layer& layer, const Marks& marks, const PrintFormat& format,
-                                 const Context& context) {
+Result<PrintedLayer> PrintedLayer::make(const Layer& layer, const Marks& marks, const PrintFormat& format,
+                                        const Context& context) {
   const std::unique_ptr<RowSource> source = layer.source->printed(format.grid);
   const VectorPrint* const vectors = layer.source->vectors();
   const int channels = source->channels();
@@ -186,19 +187,23 @@ Result<Layer::Files> layer_files(const Layer& layer, const Marks& marks, const P
                     channels == 4 ? format.profile.icc() : std::span<const std::uint8_t>());
   VACUFORM_CHECK(pack_rows(*source, format, whole, picture, context));
 
-  PageContent in_svg{.vectors = vectors}, in_pdf{.vectors = vectors};
+  const SheetSettings& sheet = format.settings.sheet;
+  PrintedLayer out({layer.name,
+                    {{sheet.width_mm, sheet.height_mm}, layer.mirrored(), format.label, marks},
+                    {.vectors = vectors}});
+  PageContent in_svg{.vectors = vectors};
   if (picture) {
     picture->finish();
-    in_svg.picture = placed_on_page(source->box(), format.grid, picture->png);
-    in_pdf.picture = placed_on_page(source->box(), format.grid, picture->colour());
-    in_pdf.opacity = picture->opacity();
+    out.whole_ = std::move(picture->png);
+    in_svg.picture = placed_on_page(source->box(), format.grid, out.whole_);
+    out.colour_ = picture->take_colour();
+    out.opacity_ = picture->take_opacity();
+    out.page.shown.picture =
+        placed_on_page(source->box(), format.grid, channels == 4 ? out.colour_ : out.whole_);
+    out.page.shown.opacity = out.opacity_;
   }
-  const SheetSettings& sheet = format.settings.sheet;
-  const PrintPage page{{sheet.width_mm, sheet.height_mm}, layer.mirrored(), format.label, marks};
-  Layer::Files files;
-  together([&] { files.png = whole.finish(); }, [&] { files.svg = make_svg(page, in_svg); },
-           [&] { files.pdf = make_pdf(page, in_pdf, format.profile); });
-  return files;
+  together([&] { out.png = whole.finish(); }, [&] { out.svg = make_svg(out.page.page, in_svg); });
+  return out;
 }
 
 }  // namespace vacuform

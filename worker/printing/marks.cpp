@@ -193,18 +193,20 @@ Mark window_mark(const MachineSettings& machine) {
 }
 
 // What the print says about itself, in as many lines as it needs, the first at the top.
-Mark legend(const Settings& settings, bool mirrored, const PrintLabel& label, const Vector2d& half) {
+Mark legend(const Settings& settings, const MarkedPage& page, const PrintLabel& label, const Vector2d& half) {
   const SheetSettings& sheet = settings.sheet;
   const double room = 2 * half.x() - 16, margin = settings.print.margin_mm;
-  const std::string side = mirrored ? "inner face, MIRRORED: print on the side that touches the mold"
-                                    : "outer face, seen from above";
+  const std::string side = page.mirrored ? "inner face, MIRRORED: print on the side that touches the mold"
+                                         : "outer face, seen from above";
   std::vector<std::string> job{"Vacuform " + label.job, "sheet " + short_decimal(sheet.width_mm) + " × " +
                                                             short_decimal(sheet.height_mm) + " × " +
                                                             short_decimal(sheet.thickness_mm) + " mm " +
                                                             upper_case(name(sheet.material))};
   if (!label.reference.empty()) job.insert(job.begin(), "reference " + label.reference);
   if (margin > 0) job.push_back("frame " + short_decimal(margin) + " mm inside the sheet's edge");
-  std::vector<std::string> lines = wrapped({side, "scale 1:1, check with the ruler"}, room);
+  std::vector<std::string> print{side, "scale 1:1, check with the ruler"};
+  if (!page.step.empty()) print.insert(print.begin(), page.step);
+  std::vector<std::string> lines = wrapped(print, room);
   for (auto& line : wrapped(job, room)) lines.push_back(std::move(line));
   Mark out{.name = "legend", .lines = {}, .circles = {}, .texts = {}};
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -223,7 +225,7 @@ double ruler_length(const Vector2d& half) {
 }
 
 // Every mark but the outline of the mold, wherever the ink lies. `half`: of the frame.
-std::vector<Mark> all_marks(const Settings& settings, bool mirrored, const PrintLabel& label,
+std::vector<Mark> all_marks(const Settings& settings, const MarkedPage& page, const PrintLabel& label,
                             const Vector2d& half) {
   std::vector<Mark> all;
   all.push_back({.name = settings.print.margin_mm > 0 ? "frame" : "sheet-edge",
@@ -240,8 +242,8 @@ std::vector<Mark> all_marks(const Settings& settings, bool mirrored, const Print
   const double ruler_mm = ruler_length(half);
   all.push_back(ruler(ruler_mm, half.y() - 0.8));
   all.push_back(t_arrow(-half.x() + 2.2));
-  Mark words = legend(settings, mirrored, label, half);
-  std::vector<Mark> letters = sides(label.sides, mirrored, half, ruler_mm, words.texts.size());
+  Mark words = legend(settings, page, label, half);
+  std::vector<Mark> letters = sides(label.sides, page.mirrored, half, ruler_mm, words.texts.size());
   all.push_back(std::move(words));
   for (Mark& letter : letters) all.push_back(std::move(letter));
   return all;
@@ -274,8 +276,7 @@ std::string coordinates(double x, double y) { return decimal(x, 3) + "," + decim
 
 }  // namespace
 
-Marks lay_out_marks(const Settings& settings, bool mirrored, const PrintLabel& label,
-                    const std::vector<Eigen::AlignedBox2d>& taken, std::vector<Line> outline) {
+Marks lay_out_marks(const Settings& settings, const PrintLabel& label, MarkedPage page) {
   const double margin = settings.print.margin_mm;
   const Vector2d half(settings.sheet.width_mm / 2 - margin, settings.sheet.height_mm / 2 - margin);
   Marks laid;
@@ -288,15 +289,15 @@ Marks lay_out_marks(const Settings& settings, bool mirrored, const PrintLabel& l
     return laid;
   }
   std::vector<std::string> left_out;
-  for (Mark& mark : all_marks(settings, mirrored, label, half)) {
-    if (touches(mark, taken)) {
+  for (Mark& mark : all_marks(settings, page, label, half)) {
+    if (touches(mark, page.taken)) {
       left_out.push_back(mark.name);
       continue;
     }
     if (mark.name == "ruler") laid.ruler_mm = ruler_length(half);
     laid.marks.push_back(std::move(mark));
   }
-  Mark mold{.name = "mold-outline", .lines = std::move(outline), .circles = {}, .texts = {}};
+  Mark mold{.name = "mold-outline", .lines = std::move(page.outline), .circles = {}, .texts = {}};
   if (!mold.lines.empty()) {
     const Eigen::AlignedBox2d box = box_of(mold);
     if ((box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).array() < half.array()).all())
@@ -304,6 +305,9 @@ Marks lay_out_marks(const Settings& settings, bool mirrored, const PrintLabel& l
     else
       left_out.push_back(mold.name);
   }
+  if (!page.numbers.empty())
+    laid.marks.push_back(
+        {.name = "gap-numbers", .lines = {}, .circles = {}, .texts = std::move(page.numbers)});
   if (left_out.empty()) return laid;
   std::string names;
   for (const std::string& name : left_out) names += (names.empty() ? "" : ", ") + name;

@@ -47,16 +47,22 @@ struct Marks {
   std::vector<Warning> warnings;   // "marks-left-out"
 };
 
+// What the marks of one page are laid out around.
+struct MarkedPage {
+  bool mirrored = false;
+  std::string step = {};                        // of printing, for the legend: which, and with what ink
+  std::vector<Eigen::AlignedBox2d> taken = {};  // boxes of the chart's triangles, print coordinates
+  std::vector<Line> outline = {};               // where the plastic leaves the mold, clear of the ink
+  std::vector<Text> numbers = {};               // beside gaps, clear of the ink
+};
+
 // Lays the marks out along the sheet's edge, print.margin_mm from it: frame, window, crosses to register by, ruler, the
-// direction of +t, the letters of the patient's sides, and a legend. A mark that would touch one of `taken`
-// (the boxes of the chart's triangles, print coordinates) is left out with a warning: marks never lie on the
-// pattern. `label` must be as printable() gives it.
+// direction of +t, the letters of the patient's sides, and a legend. A mark that would touch one of page.taken
+// is left out with a warning: marks never lie on the pattern. `label` must be as printable() gives it.
 //
-// `outline`: where the plastic leaves the mold, lines in print coordinates clear of the ink: the formed part is cut or
-// checked along it. The arrow makes the operator lay every sheet with its extrusion direction along +t, so that effects
-// of the sheet itself repeat from sheet to sheet.
-Marks lay_out_marks(const Settings& settings, bool mirrored, const PrintLabel& label,
-                    const std::vector<Eigen::AlignedBox2d>& taken, std::vector<Line> outline);
+// The formed part is cut or checked along page.outline. The arrow makes the operator lay every sheet with its extrusion
+// direction along +t, so that effects of the sheet itself repeat from sheet to sheet.
+Marks lay_out_marks(const Settings& settings, const PrintLabel& label, MarkedPage page);
 
 // How much of each pixel the marks cover, 0 to 255, in `rows` rows of the grid from `first_row` on.
 std::vector<std::uint8_t> draw_marks(const Marks& marks, const PrintGrid& grid, int first_row, int rows);

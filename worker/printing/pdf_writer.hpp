@@ -1,4 +1,4 @@
-// A PDF of one page, written object by object: deflated streams, no dates, no identifiers, the same bytes for the same
+// A PDF, written object by object: deflated streams, no dates, no identifiers, the same bytes for the same
 // input. Internal to worker/printing. After ISO 32000-1.
 #pragma once
 

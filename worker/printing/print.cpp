@@ -1,16 +1,20 @@
 #include "worker/printing/print.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "api/base/decimal.hpp"
 #include "api/base/utf8.hpp"
 #include "worker/printing/colour_ink.hpp"
+#include "worker/printing/gap_numbers.hpp"
 #include "worker/printing/laid_ink.hpp"
 #include "worker/printing/layer_files.hpp"
 #include "worker/printing/marks.hpp"
 #include "worker/printing/mold_outline.hpp"
+#include "worker/printing/print_pdf.hpp"
 #include "worker/printing/seam_gap.hpp"
 #include "worker/stage/sub_progress.hpp"
 #include "worker/surface/adjacency.hpp"
@@ -116,40 +120,105 @@ LaidInk lay_ink(const ChartedSurface& charted, const SheetSettings& sheet, std::
   return *std::move(all);
 }
 
-// The marks of a face. They keep clear of the chart and of what layers print beyond it.
-Marks marks_of_face(bool mirrored, const PrintInputs& print, const PrintLabel& label, const LaidInk& ink) {
+const Layer& main_of(const std::vector<Layer>& layers) {
+  return *std::find_if(layers.begin(), layers.end(),
+                       [](const Layer& layer) { return layer.name == "print"; });
+}
+
+// What the marks of all pages of a face keep clear of: the chart and what layers print beyond it.
+MarkedPage page_of_face(bool mirrored, const PrintInputs& print, const LaidInk& ink) {
   const InkedSurface& surface = print.charted.surface();
   std::vector<Triangle> chart;
   for (const int t : print.charted.flattening().triangles) chart.push_back(surface.triangles()[t]);
   const auto rest = [&](int v) -> const Vector2d& { return surface.rest()[v]; };
-  std::vector<Eigen::AlignedBox2d> taken;
+  MarkedPage page{.mirrored = mirrored};
   for (const Triangle& t : chart) {
-    taken.emplace_back();
-    for (const int v : t) taken.back().extend(rest(v));
+    page.taken.emplace_back();
+    for (const int v : t) page.taken.back().extend(rest(v));
   }
   for (const Layer& layer : print.layers)
-    for (const Eigen::AlignedBox2d& box : layer.source->boxes()) taken.push_back(box);
+    for (const Eigen::AlignedBox2d& box : layer.source->boxes()) page.taken.push_back(box);
   std::vector<std::vector<Vector2d>> rings;
   for (const auto& vertices : border_loops(chart)) {
     rings.emplace_back();
     for (const int v : vertices) rings.back().push_back(rest(v));
   }
-  std::vector<Line> outline = mold_outline(rings, grid_spacing_mm(print.settings), ink);
+  page.outline = mold_outline(rings, grid_spacing_mm(print.settings), ink);
   if (mirrored) {
-    for (Eigen::AlignedBox2d& box : taken)
+    for (Eigen::AlignedBox2d& box : page.taken)
       box = {Vector2d(-box.max().x(), box.min().y()), Vector2d(-box.min().x(), box.max().y())};
-    for (Line& line : outline)
+    for (Line& line : page.outline)
       for (Vector2d& p : line.points) p.x() = -p.x();
   }
-  return lay_out_marks(print.settings, mirrored, label, taken, std::move(outline));
+  return page;
+}
+
+// The layers in the order of printing: the face of the main layer first, step by step; otherwise as they are.
+std::vector<std::size_t> order_of_printing(const std::vector<Layer>& layers, InkedFace first) {
+  std::vector<std::size_t> order(layers.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    const auto key = [&](const Layer& layer) {
+      return std::pair(layer.face != first, layer.step.value_or(PrintStep::conductor));
+    };
+    return key(layers[a]) < key(layers[b]);
+  });
+  return order;
+}
+
+// What the legend of a page says about its step.
+std::string step_text(const Layer& layer, std::size_t number, std::size_t count) {
+  if (!layer.step) return {};
+  constexpr std::array<const char*, 3> inks{"conductive ink", "dielectric ink", "conductive ink, bridges"};
+  return "step " + std::to_string(number) + " of " + std::to_string(count) + ": " +
+         inks[static_cast<std::size_t>(*layer.step)];
+}
+
+// Makes the marks of each layer, in the order of printing.
+class PageMarks {
+ public:
+  PageMarks(const PrintInputs& inputs, const PrintLabel& label, const LaidInk& ink)
+      : inputs_(inputs), label_(label), ink_(ink) {}
+
+  Marks of(const Layer& layer, const std::string& step, Print& print) {
+    if (!inputs_.settings.print.marks) return {};
+    std::optional<MarkedPage>& face = faces_[layer.mirrored() ? 1 : 0];
+    if (!face) face = page_of_face(layer.mirrored(), inputs_, ink_);
+    MarkedPage page = *face;
+    page.step = step;
+    page.numbers = place_numbers(layer.numbers, ink_, layer.mirrored());
+    Marks marks = lay_out_marks(inputs_.settings, label_, std::move(page));
+    if (!print.ruler_mm) print.ruler_mm = marks.ruler_mm;
+    for (const Warning& warning : marks.warnings)
+      if (std::none_of(print.warnings.begin(), print.warnings.end(),
+                       [&](const Warning& w) { return w.code == warning.code && w.text == warning.text; }))
+        print.warnings.push_back(warning);
+    return marks;
+  }
+
+ private:
+  const PrintInputs& inputs_;
+  const PrintLabel& label_;
+  const LaidInk& ink_;
+  std::array<std::optional<MarkedPage>, 2> faces_;  // outer, inner
+};
+
+// `printed` is in the order of printing, and so are the pages of the main layer's PDF.
+void finish_files(const std::vector<std::size_t>& order, std::vector<PrintedLayer>& printed,
+                  const OutputProfile& profile, std::vector<Layer>& layers) {
+  std::vector<const PdfPage*> pages;
+  for (const PrintedLayer& each : printed) pages.push_back(&each.page);
+  const Layer* const main = &main_of(layers);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    Layer& layer = layers[order[i]];
+    layer.files = {std::move(printed[i].png), std::move(printed[i].svg),
+                   make_pdf(&layer == main ? pages : std::vector{pages[i]}, profile)};
+  }
 }
 
 }  // namespace
 
-const Layer& Print::main() const {
-  return *std::find_if(layers.begin(), layers.end(),
-                       [](const Layer& layer) { return layer.name == "print"; });
-}
+const Layer& Print::main() const { return main_of(layers); }
 
 const Layer* Print::coloured() const {
   const auto found = std::find_if(layers.begin(), layers.end(),
@@ -170,22 +239,23 @@ Result<Print> make_print(PrintInputs inputs, const Context& context) {
   const LaidInk ink = lay_ink(inputs.charted, settings.sheet, layers);
   const PrintLabel label = printable(inputs.label, print.warnings);
   const PrintFormat format{settings, grid, label, inputs.profile};
-  std::array<std::optional<Marks>, 2> marks;  // of the outer and of the inner face
+  PageMarks page_marks(inputs, label, ink);
+  const std::vector<std::size_t> order = order_of_printing(layers, main_of(layers).face);
+  std::vector<Marks> marks;
+  std::vector<PrintedLayer> printed;
+  marks.reserve(layers.size());  // pages refer to them
+  printed.reserve(layers.size());
   for (std::size_t i = 0; i < layers.size(); ++i) {
-    Layer& layer = layers[i];
-    std::optional<Marks>& of_face = marks[layer.mirrored() ? 1 : 0];
-    if (!of_face) {
-      of_face = settings.print.marks ? marks_of_face(layer.mirrored(), inputs, label, ink) : Marks();
-      print.warnings.insert(print.warnings.end(), of_face->warnings.begin(), of_face->warnings.end());
-      if (!print.ruler_mm) print.ruler_mm = of_face->ruler_mm;
-    }
+    const Layer& layer = layers[order[i]];
+    marks.push_back(page_marks.of(layer, step_text(layer, i + 1, layers.size()), print));
     const auto share = [&](std::size_t n) {
       return static_cast<double>(n) / static_cast<double>(layers.size());
     };
     const SubProgress part(context, {Stage::printing, share(i), share(i + 1)});
-    VACUFORM_TRY(files, layer_files(layer, *of_face, format, part.context()));
-    layer.files = std::move(files);
+    VACUFORM_TRY(made, PrintedLayer::make(layer, marks.back(), format, part.context()));
+    printed.push_back(std::move(made));
   }
+  finish_files(order, printed, inputs.profile, layers);
   VACUFORM_CHECK(context.step(Stage::printing, 1));
   print.layers = std::move(layers);
   print.profile = std::move(inputs.profile);

@@ -138,65 +138,99 @@ std::string icc_based(PdfWriter& pdf, std::span<const std::uint8_t> icc) {
   return std::string("[/ICCBased ") + reference(stream) + "]";
 }
 
+// Writes pages one after another, with what they share once.
+class Pages {
+ public:
+  explicit Pages(const OutputProfile& profile)
+      : profile_(profile),
+        pattern_(pdf_.object("<< /Type /OCG /Name (pattern) >>")),
+        marks_(pdf_.object("<< /Type /OCG /Name (marks) >>")),
+        font_(
+            pdf_.object("<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica /Encoding /WinAnsiEncoding >>")),
+        parent_(pdf_.reserve()) {}
+
+  void add(const PdfPage& each) {
+    const auto& [name, page, shown] = each;
+    const double points = 72 / 25.4;
+    const Vector2d size = points * page.size_mm;
+    // Millimetres from the sheet's centre, y up.
+    std::string content = pdf_number(points, 9) + " 0 0 " + pdf_number(points, 9) + " " +
+                          pdf_number(size.x() / 2, 6) + " " + pdf_number(size.y() / 2, 6) + " cm\n";
+    std::map<std::string, std::string> opacities;
+    std::string resources = std::string(" /Font << /F1 ") + reference(font_) +
+                            " >> /Properties << /Pattern " + reference(pattern_) + " /Marks " +
+                            reference(marks_) + " >>";
+    content += "/OC /Pattern BDC\nq\n";
+    if (page.mirrored) content += "-1 0 0 1 0 0 cm\n";
+    if (shown.vectors) content += content_of(*shown.vectors, opacities);
+    if (shown.picture) {
+      resources += picture(shown);
+      const PlacedPicture& at = *shown.picture;
+      content += pdf_number(at.width_mm, 6) + " 0 0 " + pdf_number(at.height_mm, 6) + " " +
+                 pdf_number(at.left_mm, 6) + " " + pdf_number(-at.top_mm - at.height_mm, 6) +
+                 " cm\n/Picture Do\n";
+    }
+    content += "Q\nEMC\n/OC /Marks BDC\nq\n0 g 0 G 0.15 w\n";
+    for (const Mark& mark : page.marks.marks) content += content_of(mark);
+    content += "Q\nEMC\n";
+    if (!opacities.empty()) {
+      resources += " /ExtGState <<";
+      for (const auto& [opacity, state] : opacities)
+        resources += std::string(" /") + state + " << /Type /ExtGState /ca " + opacity + " >>";
+      resources += " >>";
+    }
+    // Whatever is RGB without a profile of its own is sRGB (ISO 32000-1, 8.6.5.6).
+    if (content.find(" rg\n") != std::string::npos || !shown.opacity.empty())
+      resources += std::string(" /ColorSpace << /DefaultRGB ") + srgb() + " >>";
+    const int stream = pdf_.deflated_stream("", content);
+    const int number =
+        pdf_.object(std::string("<< /Type /Page /Parent ") + reference(parent_) + " /MediaBox [0 0 " +
+                    pdf_number(size.x(), 6) + " " + pdf_number(size.y(), 6) + "] /Contents " +
+                    reference(stream) + " /Resources <<" + resources + " >> >>");
+    labels_ += std::to_string(count_++) + " << /P " + pdf_text(name) + " >> ";
+    kids_ += reference(number) + " ";
+  }
+
+  std::vector<std::uint8_t> finish() {
+    pdf_.object(parent_, std::string("<< /Type /Pages /Count ") + std::to_string(count_) + " /Kids [" +
+                             kids_ + "] >>");
+    const std::string layers = std::string("[") + reference(pattern_) + " " + reference(marks_) + "]";
+    // Printed at its own size: otherwise viewers would fit the page to the paper.
+    return pdf_.finish(pdf_.object(
+        std::string("<< /Type /Catalog /Pages ") + reference(parent_) + " /PageLabels << /Nums [" + labels_ +
+        "] >> /ViewerPreferences << /PrintScaling /None >> /OCProperties << /OCGs " + layers +
+        " /D << /Order " + layers + " /ON " + layers + " >> >> >>"));
+  }
+
+ private:
+  std::string picture(const PageContent& shown) {
+    const std::span<const std::uint8_t> alpha = shown.opacity;
+    if (icc_.empty() && !profile_.icc().empty() && !alpha.empty()) icc_ = icc_based(pdf_, profile_.icc());
+    const std::string rgb = alpha.empty() || icc_.empty() ? std::string("/DeviceRGB") : icc_;
+    const int mask = alpha.empty() ? 0 : embed(pdf_, alpha, rgb, "");
+    const int image = embed(pdf_, shown.picture->png, rgb,
+                            mask ? std::string(" /SMask ") + reference(mask) : std::string());
+    return std::string(" /XObject << /Picture ") + reference(image) + " >>";
+  }
+  const std::string& srgb() {
+    if (srgb_.empty()) srgb_ = icc_based(pdf_, srgb_icc());
+    return srgb_;
+  }
+
+  const OutputProfile& profile_;
+  PdfWriter pdf_;
+  const int pattern_, marks_, font_, parent_;  // objects
+  std::string icc_, srgb_;                     // colour spaces, once they are needed
+  std::string labels_, kids_;
+  int count_ = 0;
+};
+
 }  // namespace
 
-std::vector<std::uint8_t> make_pdf(const PrintPage& page, const PageContent& shown,
-                                   const OutputProfile& profile) {
-  const std::span<const std::uint8_t> alpha = shown.opacity;
-  PdfWriter pdf;
-  const double points = 72 / 25.4;
-  const Vector2d size = points * page.size_mm;
-  // Millimetres from the sheet's centre, y up.
-  std::string content = pdf_number(points, 9) + " 0 0 " + pdf_number(points, 9) + " " +
-                        pdf_number(size.x() / 2, 6) + " " + pdf_number(size.y() / 2, 6) + " cm\n";
-  std::map<std::string, std::string> opacities;
-  std::string resources;
-  content += "/OC /Pattern BDC\nq\n";
-  if (page.mirrored) content += "-1 0 0 1 0 0 cm\n";
-  if (shown.vectors) content += content_of(*shown.vectors, opacities);
-  if (const auto& picture = shown.picture) {
-    const std::string rgb =
-        profile.icc().empty() || alpha.empty() ? std::string("/DeviceRGB") : icc_based(pdf, profile.icc());
-    const int mask = alpha.empty() ? 0 : embed(pdf, alpha, rgb, "");
-    const int image =
-        embed(pdf, picture->png, rgb, mask ? std::string(" /SMask ") + reference(mask) : std::string());
-    resources += std::string(" /XObject << /Picture ") + reference(image) + " >>";
-    content += pdf_number(picture->width_mm, 6) + " 0 0 " + pdf_number(picture->height_mm, 6) + " " +
-               pdf_number(picture->left_mm, 6) + " " + pdf_number(-picture->top_mm - picture->height_mm, 6) +
-               " cm\n/Picture Do\n";
-  }
-  content += "Q\nEMC\n/OC /Marks BDC\nq\n0 g 0 G 0.15 w\n";
-  for (const Mark& mark : page.marks.marks) content += content_of(mark);
-  content += "Q\nEMC\n";
-
-  const int pattern_layer = pdf.object("<< /Type /OCG /Name (pattern) >>");
-  const int marks_layer = pdf.object("<< /Type /OCG /Name (marks) >>");
-  const int font =
-      pdf.object("<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica /Encoding /WinAnsiEncoding >>");
-  resources += std::string(" /Font << /F1 ") + reference(font) + " >> /Properties << /Pattern " +
-               reference(pattern_layer) + " /Marks " + reference(marks_layer) + " >>";
-  if (!opacities.empty()) {
-    resources += " /ExtGState <<";
-    for (const auto& [opacity, name] : opacities)
-      resources += std::string(" /") + name + " << /Type /ExtGState /ca " + opacity + " >>";
-    resources += " >>";
-  }
-  // Whatever is RGB without a profile of its own is sRGB (ISO 32000-1, 8.6.5.6).
-  if (content.find(" rg\n") != std::string::npos || !alpha.empty()) {
-    const std::vector<std::uint8_t> srgb = srgb_icc();
-    resources += std::string(" /ColorSpace << /DefaultRGB ") + icc_based(pdf, srgb) + " >>";
-  }
-  const int stream = pdf.deflated_stream("", content);
-  const int pages = pdf.reserve();
-  const int only = pdf.object(std::string("<< /Type /Page /Parent ") + reference(pages) + " /MediaBox [0 0 " +
-                              pdf_number(size.x(), 6) + " " + pdf_number(size.y(), 6) + "] /Contents " +
-                              reference(stream) + " /Resources <<" + resources + " >> >>");
-  pdf.object(pages, std::string("<< /Type /Pages /Count 1 /Kids [") + reference(only) + "] >>");
-  const std::string layers = std::string("[") + reference(pattern_layer) + " " + reference(marks_layer) + "]";
-  // Printed at its own size: otherwise viewers would fit the page to the paper.
-  return pdf.finish(pdf.object(std::string("<< /Type /Catalog /Pages ") + reference(pages) +
-                               " /ViewerPreferences << /PrintScaling /None >> /OCProperties << /OCGs " +
-                               layers + " /D << /Order " + layers + " /ON " + layers + " >> >> >>"));
+std::vector<std::uint8_t> make_pdf(const std::vector<const PdfPage*>& pages, const OutputProfile& profile) {
+  Pages written(profile);
+  for (const PdfPage* page : pages) written.add(*page);
+  return written.finish();
 }
 
 }  // namespace vacuform
