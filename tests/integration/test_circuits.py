@@ -5,12 +5,13 @@ import csv
 import itertools
 import json
 import math
+import re
 import subprocess
 import unittest
 import xml.etree.ElementTree as ElementTree
 
 import numpy
-from shapely.geometry import Polygon
+from shapely.geometry import Polygon, box
 from shapely.ops import nearest_points, unary_union
 
 import made_scans
@@ -187,6 +188,34 @@ class Circuits(Case):
         z = 1j * omega * k * numpy.sqrt(numpy.outer(henry, henry)) + numpy.diag(ohm + 1 / (1j * omega * series))
         port = 1 / numpy.linalg.inv(z)[0, 0]
         self.assertLess(abs(complex(float(line[6]), float(line[7])) - port), 0.1 * omega * henry[0], port)
+
+    def test_sheets_tell_their_step_and_number_their_gaps(self):
+        out, _ = self.run_array(made_scans.adult(), 16, "coils.build=two_faces", "coils.gaps=4")
+        sheet = FormedSheet(meshes.Ply((out / "formed.ply").read_bytes()))
+        places = {row["number"]: [float(row[axis + "_mm"]) for axis in "xyz"] for row in csv.DictReader((out / "coils.csv").read_text().splitlines())}
+        seen = []
+        for face, mirrored in (("", False), ("-reverse", True)):
+            ink = unary_union(list(itertools.chain(*(itertools.chain(*areas(out / f"print{face}{step}.svg").values())
+                                                     for step in ("", "-dielectric", "-bridges")))))
+            marks = next(g for g in ElementTree.parse(out / f"print{face}.svg").getroot().iter(SVG + "g") if g.get("id") == "mark-gap-numbers")
+            for text in marks.iter(SVG + "text"):
+                seen.append(text.text)
+                x, y = map(float, re.match(r"translate\(([-\d.]+),([-\d.]+)\)", text.get("transform")).groups())
+                x = -x if mirrored else x
+                wide, high = 0.64 * 1.8 * len(text.text) / 2, 0.73 * 1.8
+                self.assertGreater(box(x - wide, y - high, x + wide, y).distance(ink), 0.1, text.text)
+                self.assertLess(math.dist(sheet.place(x, -y), places[text.text]), 14, text.text)
+        self.assertEqual(sorted(seen, key=int), [str(n + 1) for n in range(64)])
+
+        layers = [face + step for face in ("print", "print-reverse") for step in ("", "-dielectric", "-bridges") if (out / f"{face}{step}.svg").exists()]
+        self.assertGreater(len(layers), 3)
+        for number, layer in enumerate(layers, 1):
+            words = "dielectric ink" if layer.endswith("dielectric") else "conductive ink, bridges" if layer.endswith("bridges") else "conductive ink"
+            self.assertIn(f"step {number} of {len(layers)}: {words}   ", (out / f"{layer}.svg").read_text())
+        pdf = (out / "print.pdf").read_bytes()
+        self.assertIn(b"/Type /Pages /Count %d " % len(layers), pdf)
+        self.assertEqual([m.decode() for m in re.findall(rb"/P \(([^)]*)\)", pdf)], layers)
+        self.assertIn(b"/Type /Pages /Count 1 ", (out / "print-reverse.pdf").read_bytes())
 
     def test_one_layer_is_a_short_circuit_and_says_so(self):
         out, report = self.run_array(made_scans.adult(), 16)

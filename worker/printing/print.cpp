@@ -187,7 +187,15 @@ class PageMarks {
     MarkedPage page = *face;
     page.step = step;
     page.numbers = place_numbers(layer.numbers, ink_, layer.mirrored());
+    const std::size_t lost = layer.numbers.size() - page.numbers.size();
     Marks marks = lay_out_marks(inputs_.settings, label_, std::move(page));
+    if (lost > 0)
+      marks.warnings.push_back(
+          {.code = "marks-left-out",
+           .text = std::to_string(lost) + " of " + std::to_string(layer.numbers.size()) +
+                   " numbers of gaps have no place beside their gap that is clear of the ink",
+           .figure = Warning::Figure{static_cast<double>(lost), "marks", 0.0},
+           .place = layer.name});
     if (!print.ruler_mm) print.ruler_mm = marks.ruler_mm;
     for (const Warning& warning : marks.warnings)
       if (std::none_of(print.warnings.begin(), print.warnings.end(),
