@@ -67,7 +67,7 @@ struct ArtifactKind {
   std::string_view title;  // one line for people
   bool always = true;      // otherwise only jobs with matching content make it
 };
-inline constexpr std::array<ArtifactKind, 53> artifact_kinds{{
+inline constexpr std::array<ArtifactKind, 56> artifact_kinds{{
     {"print.png", "image/png", "The print: pre-distorted pattern, 1:1, exact dpi"},
     {"print.svg", "image/svg+xml", "The print at 1:1 with its marks, user units in mm"},
     {"print.pdf", "application/pdf", "The print at 1:1 with its marks, on a page of the sheet's size"},
@@ -129,6 +129,9 @@ inline constexpr std::array<ArtifactKind, 53> artifact_kinds{{
     {"array.json", "application/json", "The loops as circuits: figures, matrices, lines in space", false},
     {"array.nec", "text/plain; charset=utf-8", "The tuned loops as wires, for NEC-2", false},
     {"array.ts", "text/plain; charset=utf-8", "The scattering matrix of the array, Touchstone 2.0", false},
+    {"array-marie.msh", "text/plain; charset=utf-8", "The same wires as a mesh, for MARIE", false},
+    {"array-marie.json", "application/json", "The capacitors of these wires, for MARIE", false},
+    {"array.stl", "model/stl", "The printed conductors as solids on the formed part", false},
     {"findings.json", "application/json",
      "What is in the scan and what mold it makes, of an inspection or a failed print", false},
     {"pattern.svg", "image/svg+xml", "The coils of a layout, as a drawing to print", false},

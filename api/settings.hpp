@@ -173,7 +173,9 @@ struct CircuitSettings {
   // Rows of the length of a trace over its printed length and of its resistance over that of an ink that only changes its
   // shape; none: 1 everywhere, which is a lower bound.
   std::vector<std::array<double, 2>> ink_stretch;
-  double port_ohm = 50;  // of the cable or the preamplifier's match
+  double ink_um = 10, dielectric_um = 40;  // thickness as printed and cured
+  double port_ohm = 50;                    // of the cable or the preamplifier's match
+  double preamp_db = 20;  // by which preamplifiers of low impedance reduce the currents in the loops
 };
 
 // An array of loops of one size, for jobs of kind layout.

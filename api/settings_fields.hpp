@@ -281,7 +281,13 @@ void describe(S& s, V& v) {
           "What stretch does to the ink, as rows [length of the trace over its printed length, resistance "
           "over that of an "
           "ink that only changes its shape]; none: 1 everywhere, a lower bound");
+  v.field("ink_um", s.circuit.ink_um, {0.1, 500, "um"},
+          "Thickness of the conductor as it is printed and cured");
+  v.field("dielectric_um", s.circuit.dielectric_um, {0.1, 500, "um"},
+          "Thickness of the dielectric as it is printed and cured");
   v.field("port_ohm", s.circuit.port_ohm, {1, 1000, "ohm"}, "What each port is matched to");
+  v.field("preamp_db", s.circuit.preamp_db, {0, 60, "dB"},
+          "By how much preamplifiers of low impedance reduce the currents in the loops");
 
   v.group("layout", "Layout: an array of coils made for a scan, for jobs of kind layout");
   v.field("count", s.layout.count, {4, 64, "1"}, "Number of coils");

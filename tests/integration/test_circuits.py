@@ -162,6 +162,13 @@ class Circuits(Case):
                 self.assertLess(abs(float(r["value_pF"]) / float(r["wanted_pF"]) - 1), 0.06, r)
             for r, place in zip(of_loop, (gap["place_mm"] for gap in loop["gaps"])):
                 self.assertEqual([float(r[axis + "_mm"]) for axis in "xyz"], place)
+        # What a current drives in another loop, and what preamplifiers leave of it.
+        k = numpy.array(array["k"])
+        alone = omega * abs(k) * numpy.sqrt(numpy.outer(henry, henry)) / ohm[None, :]
+        numpy.fill_diagonal(alone, 1)
+        left = numpy.where(numpy.eye(16) > 0, 1, alone / 10)
+        self.assertLess(abs(numpy.array(array["currents"]) - left).max(), 0.002)
+        self.assertAlmostEqual(array["strongest_current"]["share"], (alone - numpy.eye(16)).max(), delta=0.02)
         # The sphere that the head is taken for, and the two bounds of what it costs.
         self.assertTrue(60 < array["body"]["radius_mm"] < 110, array["body"])
         self.assertTrue(all(0 < loop["body_ohm"] < loop["most_body_ohm"] for loop in array["loops"]))
@@ -188,6 +195,53 @@ class Circuits(Case):
         z = 1j * omega * k * numpy.sqrt(numpy.outer(henry, henry)) + numpy.diag(ohm + 1 / (1j * omega * series))
         port = 1 / numpy.linalg.inv(z)[0, 0]
         self.assertLess(abs(complex(float(line[6]), float(line[7])) - port), 0.1 * omega * henry[0], port)
+
+    def test_wires_for_marie(self):
+        """As its reader takes them: the n-th point element is the place of the n-th element of the circuit, and the number of its
+        node is that of a piece of wire that begins there."""
+        out, _ = self.run_array(made_scans.adult(), 16, "coils.build=two_faces", "coils.gaps=4")
+        lines = (out / "array-marie.msh").read_text().splitlines()
+        self.assertEqual(lines[:3], ["$MeshFormat", "2.2 0 8", "$EndMeshFormat"])
+        begin = lines.index("$Nodes") + 2
+        nodes = {int(n): [float(v) for v in place] for n, *place in (line.split() for line in lines[begin:lines.index("$EndNodes")])}
+        self.assertEqual(list(nodes), list(range(1, int(lines[begin - 1]) + 1)))
+        begin = lines.index("$Elements") + 2
+        elements = [[int(word) for word in line.split()] for line in lines[begin:lines.index("$EndElements")]]
+        self.assertEqual(len(elements), int(lines[begin - 1]))
+        ports = [e[-1] for e in elements if e[1] == 15]
+        wires = [e[-2:] for e in elements if e[1] == 1]
+        self.assertEqual([a for a, _ in wires], list(nodes))
+        self.assertEqual(sum(b < a for a, b in wires), 16, "each loop closes once")
+        circuit = json.loads((out / "array-marie.json").read_text())["coil_configuration"]["elements"]
+        rows = list(csv.DictReader((out / "coils.csv").read_text().splitlines()))
+        self.assertEqual([len(ports), len(circuit)], [64, 64])
+        for node, element, row in zip(ports, circuit, rows):
+            place = [1000 * v for v in nodes[node]]
+            self.assertLess(math.dist(place, [float(row[axis + "_mm"]) for axis in "xyz"]), 1.2, row)
+            self.assertEqual(element["type"], "port" if row["kind"] == "port" else "element")
+            self.assertAlmostEqual(1e12 * element["value"], float(row["wanted_pF"]), places=1)
+            self.assertLess(element["optim"]["minim"], element["value"])
+        self.assertEqual(sorted({element["excitation"]["entity"] for element in circuit}), list(range(1, 17)))
+
+    def test_conductors_are_closed_solids(self):
+        out, report = self.run_array(made_scans.adult(), 16, "coils.build=two_faces", "coils.gaps=4")
+        solids, facets = {}, None
+        for line in (out / "array.stl").read_text().splitlines():
+            words = line.split()
+            if words[0] == "solid":
+                facets = solids.setdefault(words[1], [])
+            elif words[0] == "vertex":
+                facets.append(tuple(map(float, words[1:])))
+        self.assertEqual(len([name for name in solids if not name.endswith("-bridges")]), 16)
+        self.assertEqual(len([name for name in solids if name.endswith("-bridges")]) > 0, bool(report["circuits"]["bridges"]))
+        for name, points in solids.items():
+            corners = [tuple(points[i:i + 3]) for i in range(0, len(points), 3)]
+            edges = collections.Counter((t[k], t[(k + 1) % 3]) for t in corners for k in range(3))
+            self.assertTrue(all(edges[b, a] == count for (a, b), count in edges.items()), name)
+            volume = sum(numpy.dot(a, numpy.cross(b, c)) for a, b, c in corners) / 6
+            # The thickness that is left, as its own area says: 10 um, less where the sheet is stretched.
+            area = sum(numpy.linalg.norm(numpy.cross(numpy.subtract(b, a), numpy.subtract(c, a))) for a, b, c in corners) / 2
+            self.assertTrue(0.003 < 2 * volume / area < 0.0105, (name, volume, area))
 
     def test_sheets_tell_their_step_and_number_their_gaps(self):
         out, _ = self.run_array(made_scans.adult(), 16, "coils.build=two_faces", "coils.gaps=4")

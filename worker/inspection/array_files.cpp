@@ -4,13 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "api/base/decimal.hpp"
-#include "worker/coils/inductance.hpp"
 #include "worker/electrical/tuning.hpp"
+#include "worker/inspection/array_wires.hpp"
 #include "worker/inspection/json_numbers.hpp"
 #include "worker/stage/index.hpp"
 
@@ -22,22 +20,6 @@ using Eigen::MatrixXcd;
 using Eigen::Vector3d;
 using Json = nlohmann::ordered_json;
 
-const CircuitFigures& circuits(const Finished& job) { return *job.figures.electrical; }
-const std::string& id(const Finished& job, std::size_t i) {
-  return job.placed->elements[index(circuits(job).elements[i])].id;
-}
-std::vector<const LoopGap*> gaps_of(const Finished& job, std::size_t i) {
-  std::vector<const LoopGap*> out;
-  for (const LoopGap& gap : job.build->gaps)
-    if (gap.coil == circuits(job).elements[i]) out.push_back(&gap);
-  return out;
-}
-
-void add(std::string& row, double value, int places, char before = ' ') {
-  row += before;
-  row += decimal(value, places);
-}
-
 // The capacitor of a gap: across the port, or one of the others, which share what is in series.
 struct Soldered {
   const LoopGap* gap;
@@ -45,10 +27,10 @@ struct Soldered {
   StandardValue standard;  // none where no capacitor is wanted
 };
 std::vector<Soldered> soldered(const Finished& job, std::size_t i) {
-  const LoopCircuit& loop = circuits(job).array.loops[i];
-  const int others = std::max(1, circuits(job).loops[i].gaps - 1);
+  const LoopCircuit& loop = job.figures.electrical->array.loops[i];
+  const int others = std::max(1, job.figures.electrical->loops[i].gaps - 1);
   std::vector<Soldered> out;
-  for (const LoopGap* const gap : gaps_of(job, i)) {
+  for (const LoopGap* const gap : loop_gaps(job, i)) {
     const double wanted = gap->port ? loop.matching_pf : loop.series_pf * others;
     out.push_back({gap, wanted, wanted > 0 ? standard_value(wanted) : StandardValue{}});
   }
@@ -72,67 +54,43 @@ Json matrix(const CouplingMatrix& of, const std::vector<int>& which) {
   return rows;
 }
 
-// NEC-2 models thin wires, which must not touch.
-constexpr double wire_radius_mm = 0.1, wires_apart_mm = 0.6;
-
-// The points of a line that are nearest to another which it crosses, where they come within `reach_mm`.
-void add_crossings(const std::vector<Vector3d>& line, const std::vector<Vector3d>& other, double reach_mm,
-                   std::set<std::size_t>& out) {
-  const std::size_t count = line.size();
-  std::vector<double> far(count, std::numeric_limits<double>::infinity());
-  for (std::size_t k = 0; k < count; ++k)
-    for (const Vector3d& p : other) far[k] = std::min(far[k], (line[k] - p).norm());
-  for (std::size_t k = 0; k < count; ++k)
-    if (far[k] < reach_mm && far[k] < far[(k + count - 1) % count] && far[k] <= far[(k + 1) % count])
-      out.insert(k);
+double coupling(const Finished& job, std::size_t a, std::size_t b) {
+  const CouplingMatrix& k = job.figures.measured->coils.k.with;
+  const std::vector<int>& coils = job.figures.electrical->coils;
+  return a == b ? 1 : k.count() > 0 ? k(coils[a], coils[b]) : 0;
 }
 
-// A loop as a polygon that begins at its port. It has a corner wherever it crosses another: NEC-2 looks at the middles of
-// wires, which are then far from each other. Where it crosses over another on the same face it is lifted off the part.
-std::vector<Vector3d> wire_of(const Finished& job, std::size_t i) {
-  constexpr double longest_mm = 4.5, near_mm = 2.5;
-  const CircuitFigures& of = circuits(job);
-  const std::vector<Vector3d>& line = of.loops[i].line;
-  const auto nearest_to = [&](const Vector3d& place) {
-    return static_cast<std::size_t>(std::min_element(line.begin(), line.end(),
-                                                     [&](const Vector3d& a, const Vector3d& b) {
-                                                       return (a - place).norm() < (b - place).norm();
-                                                     }) -
-                                    line.begin());
-  };
-  std::set<std::size_t> corners;
-  for (std::size_t k = 0; k < of.loops.size(); ++k)
-    if (k != i) add_crossings(line, of.loops[k].line, near_mm, corners);
-  std::set<std::size_t> lifted;
-  for (const Bridge& bridge : job.build->bridges)
-    if (bridge.over() == of.elements[i]) lifted.insert(nearest_to(bridge.crossing.place));
-  const auto gaps = gaps_of(job, i);
-  const std::size_t port = gaps.empty() ? 0 : nearest_to(gaps.front()->place);
-  corners.insert(port);
-  corners.insert(lifted.begin(), lifted.end());
-  std::vector<std::size_t> order(corners.begin(), corners.end());
-  std::rotate(order.begin(), std::find(order.begin(), order.end(), port), order.end());
-  std::vector<Vector3d> out;
-  for (std::size_t c = 0; c < order.size(); ++c) {
-    const std::size_t from = order[c], next = order[(c + 1) % order.size()];
-    const std::size_t way = (next + line.size() - from) % line.size();
-    double mm = 0;
-    for (std::size_t k = 0; k < (way == 0 ? line.size() : way); ++k)
-      mm += (line[(from + k + 1) % line.size()] - line[(from + k) % line.size()]).norm();
-    const auto parts = static_cast<std::size_t>(std::max(1.0, std::ceil(mm / longest_mm)));
-    for (std::size_t k = 0; k < parts; ++k) {
-      Vector3d p = line[(from + k * (way == 0 ? line.size() : way) / parts) % line.size()];
-      if (k == 0 && lifted.contains(from)) p += wires_apart_mm * (p - of.array.body.centre).normalized();
-      out.push_back(p);
-    }
-  }
-  return out;
+// The current that one in loop a drives in loop b, as its share, if nothing but the losses of b stands against it.
+double current(const Finished& job, std::size_t a, std::size_t b) {
+  const CircuitFigures& of = *job.figures.electrical;
+  const double w = angular_frequency(job.settings.circuit.frequency_mhz);
+  const double henry = 1e-9 * std::sqrt(of.loops[a].inductance_nh * of.loops[b].inductance_nh);
+  const double ohm = of.array.loops[b].coil_ohm + of.array.loops[b].body_ohm;
+  return w * std::abs(coupling(job, a, b)) * henry / ohm;
+}
+
+// What preamplifiers leave of a current.
+double left_by_preamplifiers(const Finished& job) {
+  return std::pow(10, -job.settings.circuit.preamp_db / 20);
+}
+
+Json strongest_current(const Finished& job) {
+  const std::size_t count = job.figures.electrical->loops.size();
+  std::size_t from = 0, to = 0;
+  double most = 0;
+  for (std::size_t a = 0; a < count; ++a)
+    for (std::size_t b = 0; b < count; ++b)
+      if (a != b && current(job, a, b) > most) most = current(job, a, b), from = a, to = b;
+  if (!(most > 0)) return Json();
+  return {{"from", loop_id(job, from)},
+          {"to", loop_id(job, to)},
+          {"share", rounded(most, 4)},
+          {"with_preamplifiers", rounded(most * left_by_preamplifiers(job), 4)}};
 }
 
 // At an angular frequency, 1/s. The loops with their series capacitors, in parallel with the capacitor across each port.
 MatrixXcd scattering(const Finished& job, double w) {
-  const CircuitFigures& of = circuits(job);
-  const CouplingMatrix& k = job.figures.measured->coils.k.with;
+  const CircuitFigures& of = *job.figures.electrical;
   const std::complex<double> j(0, 1);
   const int count = static_cast<int>(of.loops.size());
   MatrixXcd z(count, count);
@@ -142,7 +100,7 @@ MatrixXcd scattering(const Finished& job, double w) {
   const auto henry = [&](int i) { return of.loops[index(i)].inductance_nh * 1e-9; };
   for (int a = 0; a < count; ++a)
     for (int b = 0; b < count; ++b) {
-      const double coupled = a == b ? 1 : k.count() > 0 ? k(of.coils[index(a)], of.coils[index(b)]) : 0;
+      const double coupled = coupling(job, index(a), index(b));
       z(a, b) = of.array.noise(a, b) * std::sqrt(ohm(a) * ohm(b)) +
                 j * w * coupled * std::sqrt(henry(a) * henry(b));
       if (a == b) z(a, a) += 1.0 / (j * w * of.array.loops[index(a)].series_pf * 1e-12);
@@ -162,7 +120,7 @@ std::vector<int> all_of(const CouplingMatrix& matrix) {
 }  // namespace
 
 Json electrical_json(const Finished& job) {
-  const CircuitFigures& of = circuits(job);
+  const CircuitFigures& of = *job.figures.electrical;
   Json loops = Json::array();
   for (std::size_t i = 0; i < of.loops.size(); ++i) {
     const LoopCircuit& loop = of.array.loops[i];
@@ -180,7 +138,7 @@ Json electrical_json(const Finished& job) {
                       {"wanted_pf", rounded(each.wanted_pf, 2)},
                       {"standard_pf", rounded(each.standard.pf, 2)},
                       {"place_mm", array(each.gap->place, 1)}});
-    loops.push_back({{"id", id(job, i)},
+    loops.push_back({{"id", loop_id(job, i)},
                      {"inductance_nh", rounded(of.loops[i].inductance_nh, 2)},
                      {"coil_ohm", rounded(loop.coil_ohm)},
                      {"body_ohm", rounded(loop.body_ohm)},
@@ -199,25 +157,27 @@ Json electrical_json(const Finished& job) {
             {"radius_mm", rounded(of.array.body.radius_mm, 2)},
             {"rms_mm", rounded(of.array.body.rms_mm, 2)},
             {"above_mm", rounded(of.above_mm, 2)}}},
+          {"preamp_db", rounded(job.settings.circuit.preamp_db, 1)},
+          {"strongest_current", strongest_current(job)},
           {"loops", std::move(loops)}};
 }
 
 std::string coils_csv(const Finished& job) {
   std::string out = "number,loop,gap,kind,wanted_pF,value_pF,detuning_percent,x_mm,y_mm,z_mm\r\n";
-  for (std::size_t i = 0; i < circuits(job).loops.size(); ++i) {
+  for (std::size_t i = 0; i < job.figures.electrical->loops.size(); ++i) {
     int gap = 0;
     for (const Soldered& each : soldered(job, i)) {
       const bool port = each.gap->port;
-      out += std::to_string(each.gap->number) + ',' + field(id(job, i)) + ',' + std::to_string(++gap) +
+      out += std::to_string(each.gap->number) + ',' + field(loop_id(job, i)) + ',' + std::to_string(++gap) +
              (port ? ",port" : ",capacitor");
-      add(out, each.wanted_pf, 2, ',');
-      add(out, each.standard.pf, 2, ',');
+      add_number(out, each.wanted_pf, 2, ',');
+      add_number(out, each.standard.pf, 2, ',');
       if (port)
         out += ',';
       else
-        add(out, 100 * each.standard.detuning, 2, ',');
+        add_number(out, 100 * each.standard.detuning, 2, ',');
       for (const double mm : {each.gap->place.x(), each.gap->place.y(), each.gap->place.z()})
-        add(out, mm, 1, ',');
+        add_number(out, mm, 1, ',');
       out += "\r\n";
     }
   }
@@ -225,7 +185,7 @@ std::string coils_csv(const Finished& job) {
 }
 
 std::string array_json(const Finished& job) {
-  const CircuitFigures& of = circuits(job);
+  const CircuitFigures& of = *job.figures.electrical;
   const CoilTable& table = job.figures.measured->coils;
   Json out = electrical_json(job);
   for (std::size_t i = 0; i < of.loops.size(); ++i) {
@@ -234,49 +194,23 @@ std::string array_json(const Finished& job) {
     out["loops"][i]["line_mm"] = std::move(line);
   }
   out["k"] = table.k.with.count() > 0 ? matrix(table.k.with, of.coils) : Json();
+  Json& currents = out["currents"] = Json::array();
+  for (std::size_t a = 0; a < of.loops.size(); ++a) {
+    Json& row = currents.emplace_back(Json::array());
+    for (std::size_t b = 0; b < of.loops.size(); ++b)
+      row.push_back(a == b ? Json(1) : rounded(current(job, a, b) * left_by_preamplifiers(job), 5));
+  }
   out["noise"] = matrix(of.array.noise, all_of(of.array.noise));
   return out.dump(1) + "\n";
 }
 
-std::string array_nec(const Finished& job) {
-  const CircuitFigures& of = circuits(job);
-  std::string out = "CM Vacuform " + job.label +
-                    "\nCM tag i: the i-th loop of array.json; segment 1 holds its port\nCE\n",
-              loads;
-  for (std::size_t i = 0; i < of.loops.size(); ++i) {
-    const std::vector<Vector3d> points = wire_of(job, i);
-    const std::string tag = std::to_string(i + 1);
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      out += "GW " + tag + " 1";
-      for (const Vector3d& p : {points[k], points[(k + 1) % points.size()]})
-        for (const double mm : {p.x(), p.y(), p.z()}) add(out, mm / 1000, 7);
-      add(out, wire_radius_mm / 1000, 7);
-      out += "\n";
-    }
-    // A wire has more inductance than the strip: less of it along all segments.
-    const LoopCircuit& loop = of.array.loops[i];
-    const double excess = self_inductance_nh(points, 4 * wire_radius_mm) - of.loops[i].inductance_nh;
-    loads += "LD 0 " + tag + " 0 0 0";
-    add(loads, -excess / static_cast<double>(points.size()), 6);
-    loads += "E-09 0\n";
-    const std::string far = std::to_string(points.size() / 2);  // from the port
-    loads += "LD 0 " + tag + ' ' + far + ' ' + far;
-    add(loads, loop.coil_ohm + loop.body_ohm, 5);
-    loads += " 0";
-    add(loads, loop.series_pf, 4);
-    loads += "E-12\n";
-  }
-  return out + "GE 0\n" + loads + "FR 0 1 0 0 " + decimal(job.settings.circuit.frequency_mhz, 4) +
-         " 0\nEX 0 1 1 0 1 0\nXQ\nEN\n";
-}
-
 std::string array_touchstone(const Finished& job) {
-  const CircuitFigures& of = circuits(job);
+  const CircuitFigures& of = *job.figures.electrical;
   const std::size_t count = of.loops.size();
   constexpr int steps = 50;
   constexpr double about = 0.025;
   std::string out = "! Vacuform " + job.label + "\n! ports: ";
-  for (std::size_t i = 0; i < of.loops.size(); ++i) out += (i == 0 ? "" : ", ") + id(job, i);
+  for (std::size_t i = 0; i < of.loops.size(); ++i) out += (i == 0 ? "" : ", ") + loop_id(job, i);
   out += "\n[Version] 2.0\n# MHz S RI R " + decimal(job.settings.circuit.port_ohm, 3) +
          "\n[Number of Ports] " + std::to_string(count) + "\n" +
          (count == 2 ? "[Two-Port Data Order] 12_21\n" : "") + "[Number of Frequencies] " +
@@ -287,7 +221,7 @@ std::string array_touchstone(const Finished& job) {
     out += decimal(mhz, 6);
     for (Eigen::Index a = 0; a < s.rows(); ++a) {
       for (Eigen::Index b = 0; b < s.cols(); ++b)
-        for (const double part : {s(a, b).real(), s(a, b).imag()}) add(out, part, 7);
+        for (const double part : {s(a, b).real(), s(a, b).imag()}) add_number(out, part, 7);
       out += "\n";
     }
   }

@@ -15,12 +15,9 @@ nlohmann::ordered_json electrical_json(const Finished& job);
 // coils.csv: a row for each gap, with the capacitor to solder and its place; fields by commas, as RFC 4180 has them.
 std::string coils_csv(const Finished& job);
 
-// array.json: the same with the matrices of coupling and of noise, and the loops in space.
+// array.json: the same with the matrices of coupling, of the currents that a current in the loop of the row drives in that of
+// the column with preamplifiers, and of noise, and the loops in space.
 std::string array_json(const Finished& job);
-
-// array.nec: the tuned loops as thin wires, for NEC-2: a tag a loop, driven at the port of the first, at the frequency of the
-// settings; the losses and the series capacitors are lumped. Where loops cross on one face the upper one is lifted by .6 mm.
-std::string array_nec(const Finished& job);
 
 // array.ts: the scattering matrix of the tuned and matched array at its ports, Touchstone 2.0, 2.5 % about the frequency.
 std::string array_touchstone(const Finished& job);

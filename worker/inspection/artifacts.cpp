@@ -2,6 +2,8 @@
 #include <utility>
 
 #include "worker/inspection/array_files.hpp"
+#include "worker/inspection/array_wires.hpp"
+#include "worker/inspection/conductors_stl.hpp"
 #include "worker/inspection/findings_preview.hpp"
 #include "worker/inspection/formed_glb.hpp"
 #include "worker/inspection/inspection.hpp"
@@ -25,7 +27,8 @@ bool makes(const Finished& job, const ArtifactKind& kind) {
   if (kind.name == "preview-temperature.png") return job.heat.source != HeatSource::uniform;
   for (const Layer& layer : job.print.layers)
     if (kind.name.starts_with(layer.name + ".")) return true;
-  for (const char* name : {"coils.csv", "array.json", "array.nec", "array.ts"})
+  for (const char* name : {"coils.csv", "array.json", "array.nec", "array.ts", "array-marie.msh",
+                           "array-marie.json", "array.stl"})
     if (kind.name == name) return job.figures.electrical.has_value();
   for (const char* name :
        {"preview-original.png", "preview-position.png", "preview-colour.png", "preview-align.png"})
@@ -67,6 +70,9 @@ Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& cont
     add("array.json", array_json(job));
     add("array.nec", array_nec(job));
     add("array.ts", array_touchstone(job));
+    add("array-marie.msh", marie_mesh(job));
+    add("array-marie.json", marie_circuit(job));
+    add("array.stl", conductors_stl(job));
   }
   // In the order of the table, whatever the order of the layers.
   std::sort(files.begin(), files.end(), [](const Artifact& a, const Artifact& b) {

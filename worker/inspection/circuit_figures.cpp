@@ -28,8 +28,8 @@ double at_stretch(const std::vector<std::array<double, 2>>& rows, double stretch
 
 class Loops {
  public:
-  Loops(const Finished& job, const InkedSurface& reverse)
-      : job_(job), faces_{&job.surface, &reverse}, locator_(job.sheet.triangles, job.sheet.rest) {}
+  explicit Loops(const Finished& job)
+      : job_(job), faces_{&job.surface, job.reverse}, locator_(job.sheet.triangles, job.sheet.rest) {}
 
   LoopOnPart on_part(int element, const Curve& loop, double width_mm, double inductance_nh) const {
     LoopOnPart out;
@@ -84,10 +84,9 @@ std::optional<std::pair<FittedSphere, double>> body_of(const Finished& job) {
 
 }  // namespace
 
-std::optional<CircuitFigures> circuit_figures(const Finished& job, const VectorPrint& vectors,
-                                              const InkedSurface& reverse) {
+std::optional<CircuitFigures> circuit_figures(const Finished& job, const VectorPrint& vectors) {
   if (!job.figures.measured || !job.build) return std::nullopt;
-  const Loops loops(job, reverse);
+  const Loops loops(job);
   const CoilTable& table = job.figures.measured->coils;
   CircuitFigures out;
   for (std::size_t c = 0; c < table.coils.size(); ++c) {

@@ -41,9 +41,10 @@ struct Finished {
   const Pattern& pattern;      // what the main layer of the print shows, as drawn
   const Placement& placement;  // of the pattern
   const Print& print;
-  const Drawing* placed = nullptr;    // what was placed element by element; null: nothing
-  const ArrayBuild* build = nullptr;  // of a vector drawing with loops
-  LengthErrors lengths = {};          // of the pattern on the formed part
+  const Drawing* placed = nullptr;        // what was placed element by element; null: nothing
+  const ArrayBuild* build = nullptr;      // of a vector drawing with loops
+  const InkedSurface* reverse = nullptr;  // the other face of the sheet; needed with a build
+  LengthErrors lengths = {};              // of the pattern on the formed part
   HeatSummary heat = {};
   Alignment alignment = {};  // of the pattern as drawn on the flat sheet (align_flat())
   std::string label = {};    // of the print, as its marks show it

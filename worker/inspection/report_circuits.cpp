@@ -38,6 +38,15 @@ std::string loops_table(const ReportJson& electrical) {
       rows);
 }
 
+std::string current_text(const ReportJson& electrical) {
+  const ReportJson& strongest = electrical["strongest_current"];
+  if (!strongest.is_object()) return "";
+  return "<p>A current in " + escaped(text_of(strongest["from"])) + " drives " +
+         number_text(strongest["share"], 3) + " of it in " + escaped(text_of(strongest["to"])) +
+         ", the most of all pairs; " + number_text(strongest["with_preamplifiers"], 3) +
+         " with preamplifiers of " + number_text(electrical["preamp_db"], 0) + " dB.</p>\n";
+}
+
 std::string capacitors_table(const ReportJson& electrical) {
   html::Rows rows;
   for (const ReportJson& loop : electrical["loops"])
@@ -104,7 +113,7 @@ std::string circuits_section(const ReportJson& report) {
   std::string out = "<h2>Circuits</h2>\n<p>" + escaped(checked) + "</p>\n" + couplings_picture(report);
   const ReportJson& electrical = at(report, {"circuits", "electrical"});
   if (!electrical.is_object()) return out;
-  return out + loops_table(electrical) + capacitors_table(electrical);
+  return out + current_text(electrical) + loops_table(electrical) + capacitors_table(electrical);
 }
 
 }  // namespace vacuform

@@ -183,6 +183,7 @@ Result<std::vector<Artifact>> run_stages(const Inputs& inputs, const Use& use, c
                .print = print,
                .placed = laid.placed(),
                .build = laid.build ? &*laid.build : nullptr,
+               .reverse = &beneath,
                .lengths = lengths_of(laid, print.main().source->vectors(), s.pattern, print.warnings),
                .heat = formed.heat,
                .alignment = laid.alignment,
@@ -201,7 +202,7 @@ Result<std::vector<Artifact>> run_stages(const Inputs& inputs, const Use& use, c
       for (Warning& warning : circuits->warnings(*laid.lines, s.coils.clearance_mm))
         print.warnings.push_back(std::move(warning));
     job.figures.circuits = std::move(circuits);
-    job.figures.electrical = circuit_figures(job, vectors, beneath);
+    job.figures.electrical = circuit_figures(job, vectors);
   }
   add_chart_figures(job);
   return use(job, Made{identity, formed.variants, laid});

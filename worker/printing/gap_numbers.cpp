@@ -26,8 +26,8 @@ std::optional<Box> free_box(const PlaceNumber& place, const Vector2d& half, cons
       for (const double shift : {0.0, 1.0, -1.0, 2.0, -2.0}) {
         const Vector2d middle = place.at + side * far * place.towards + shift * along;
         const Box box(middle - half, middle + half);
-        if (!ink.any_in(box) && std::none_of(taken.begin(), taken.end(),
-                                             [&](const Box& other) { return other.intersects(box); }))
+        if (!ink.any_in(box) &&
+            std::none_of(taken.begin(), taken.end(), [&](const Box& other) { return other.intersects(box); }))
           return box;
       }
   return std::nullopt;

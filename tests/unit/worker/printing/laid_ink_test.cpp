@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tests/unit/fixtures/hand_made_sheets.hpp"
+#include "tests/unit/worker/printing/painted_rows.hpp"
 #include "worker/printing/mold_outline.hpp"
 
 namespace vacuform {
@@ -14,31 +15,12 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using hand_made::Sample;
 
-// Rows of a drawing of one black rectangle.
-class Rectangle : public RowSource {
- public:
-  Rectangle(const PrintGrid& grid, const Vector2d& low, const Vector2d& high)
-      : grid_(grid), low_(low), high_(high) {}
-  PixelBox box() const override { return {0, 0, grid_.width, grid_.height}; }
-  int band_rows() const override { return 50; }
-  int channels() const override { return 1; }
-  std::vector<std::uint8_t> rows(int top, int bottom) const override {
-    std::vector<std::uint8_t> gray;
-    for (int j = top; j < bottom; ++j)
-      for (int i = 0; i < grid_.width; ++i) {
-        const double s = (i + 0.5 - 0.5 * grid_.width) * grid_.pixel_mm,
-                     t = (0.5 * grid_.height - j - 0.5) * grid_.pixel_mm;
-        const bool inside = s > low_.x() && s < high_.x() && t > low_.y() && t < high_.y();
-        gray.push_back(inside ? 0 : 255);
-      }
-    return gray;
-  }
-
- private:
-  PrintGrid grid_;
-  Vector2d low_, high_;
-};
-
+// One black rectangle.
+auto rectangle(const PrintGrid& grid, const Vector2d& low, const Vector2d& high) {
+  return PaintedRows(grid, [=](const Vector2d& p) {
+    return (p.array() > low.array()).all() && (p.array() < high.array()).all();
+  });
+}
 // The right half of the sheet is stretched to three times its width and lies off the chart.
 TEST(LaidInk, CountsWhatLiesOnTheHeadByItsFormedArea) {
   Sample x = hand_made::flat(100, 10);
@@ -51,7 +33,7 @@ TEST(LaidInk, CountsWhatLiesOnTheHeadByItsFormedArea) {
   });
   const PrintGrid grid = LaidInk::grid_of(100, 100);
   const auto share = [&](double left, double right) {
-    return LaidInk(Rectangle(grid, {left, -10}, {right, 10}), grid).share_on(hand_made::Charted(x));
+    return LaidInk(rectangle(grid, {left, -10}, {right, 10}), grid).share_on(hand_made::Charted(x));
   };
   EXPECT_NEAR(share(-20, 20), 0.25, 0.005);
   EXPECT_EQ(share(-30, -5), 1);
@@ -60,7 +42,7 @@ TEST(LaidInk, CountsWhatLiesOnTheHeadByItsFormedArea) {
 
 TEST(LaidInk, KnowsWhatIsNearIt) {
   const PrintGrid grid = LaidInk::grid_of(100, 100);
-  const LaidInk ink(Rectangle(grid, {0, 0}, {10, 10}), grid);
+  const LaidInk ink(rectangle(grid, {0, 0}, {10, 10}), grid);
   EXPECT_TRUE(ink.any_near({-1.8, 5}, 2));
   EXPECT_FALSE(ink.any_near({-2.3, 5}, 2));
   EXPECT_FALSE(ink.any_near({500, 5}, 2));
@@ -86,7 +68,7 @@ std::vector<Vector2d> steps_of_a_circle() {
 
 TEST(MoldOutline, IsASmoothCurveAndNotTheStepsOfTheGrid) {
   const PrintGrid grid = LaidInk::grid_of(200, 200);
-  const LaidInk none(Rectangle(grid, {90, 90}, {95, 95}), grid);
+  const LaidInk none(rectangle(grid, {90, 90}, {95, 95}), grid);
   const auto lines = mold_outline({steps_of_a_circle()}, 1.5, none);
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_TRUE(lines[0].closed && lines[0].dashed);
@@ -101,7 +83,7 @@ TEST(MoldOutline, IsASmoothCurveAndNotTheStepsOfTheGrid) {
 
 TEST(MoldOutline, StopsBesideTheInkAndIsDrawnEverywhereElse) {
   const PrintGrid grid = LaidInk::grid_of(200, 200);
-  const LaidInk ink(Rectangle(grid, {40, -10}, {60, 10}), grid);
+  const LaidInk ink(rectangle(grid, {40, -10}, {60, 10}), grid);
   const auto lines = mold_outline({steps_of_a_circle()}, 1.5, ink);
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_FALSE(lines[0].closed);
