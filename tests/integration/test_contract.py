@@ -7,7 +7,7 @@ import unittest
 
 from contract import DESCRIPTION, METHODS, Broken, Contract, Part
 import hostile
-from harness import CONTRACT, DUE_ARTIFACTS, Case, Server, curl
+from harness import ARRAY_ARTIFACTS, CONTRACT, Case, Server, curl
 
 
 class Validator(unittest.TestCase):
@@ -204,7 +204,7 @@ class Exchanges(Case):
         self.taken(*worker, *OF_JSON, "-d", '{"stage": "scan", "progress": 0.5}', lease + "/heartbeat")
         self.taken(*worker, *OF_JSON, "-d", '{"first": 0, "lines": ["stage scan"]}', lease + "/log")
         self.taken(*worker, *OF_BYTES, "-T", self.scan, lease + "/artifacts/mold.stl")
-        for artifact in sorted(DUE_ARTIFACTS - {"mold.stl"}):
+        for artifact in sorted({*ARRAY_ARTIFACTS} - {"mold.stl"}):
             self.taken(*worker, *OF_BYTES, "-T", self.pattern, f"{lease}/artifacts/{artifact}")
         self.taken("-X", "POST", *worker, lease + "/complete")
         for path in ("", "?wait=1", "/log?limit=5", "/artifacts", "/artifacts/mold.stl", "/artifacts.zip", "/events"):

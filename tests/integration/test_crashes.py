@@ -8,7 +8,7 @@ import socket
 import unittest
 
 import made_scans
-from harness import BIN, DUE_ARTIFACTS, PATTERNS, Case, Program, Server, children, curl, runs, wait_for
+from harness import ARRAY_ARTIFACTS, BIN, PATTERNS, Case, Program, Server, children, curl, runs, wait_for
 
 NEWBORN, RINGS = made_scans.newborn(), PATTERNS / "rings-7x40mm.svg"
 COARSE = {"sheet": {"resolution_mm": 5}, "print": {"dpi": 100}}
@@ -40,7 +40,7 @@ class Crashes(Case):
         """Every artifact once, whole, and as the hash says."""
         found = server.job(job)
         names = [a["name"] for a in found["artifacts"]]
-        self.assertEqual(sorted(names), sorted(DUE_ARTIFACTS))
+        self.assertEqual(sorted(names), sorted(ARRAY_ARTIFACTS))
         for a in found["artifacts"]:
             body = curl(f"{server.api}/jobs/{job}/artifacts/{a['name']}").body
             self.assertEqual(hashlib.sha256(body).hexdigest(), a["sha256"], a["name"])
@@ -108,7 +108,7 @@ class Crashes(Case):
 
         heartbeat = ("heartbeat", *of_json, "-d", '{"stage":"forming","progress":0.5}')
         puts = [("artifacts/" + name, "-H", "Content-Type: application/octet-stream", "-X", "PUT", "--data-binary")
-                for name in sorted(DUE_ARTIFACTS)]
+                for name in sorted(ARRAY_ARTIFACTS)]
         complete = ("complete", *of_json, "-d", "{}")
         for put in puts:
             for words in heartbeat, (*put, old["lease"]), complete:

@@ -16,15 +16,12 @@ import time
 import unittest
 
 import hostile
-from harness import Case, Server, wait_for
+from harness import ARTIFACTS, Case, Server, wait_for
 
 SECONDS = float(os.environ.get("VACUFORM_ATTACK_SECONDS", "8"))
 MOST_MEMORY_KIB = 300 * 1024
 MANY = 200
 ARTIFACT_BYTES = 100 << 20  # two of them: the zip has 200 MiB
-ARTIFACTS = ("print.png print.svg print.pdf preview-pattern.png preview-print.png preview-without.png preview-with.png preview-views.png "
-             "preview-lengths.png preview-shape.png preview-area.png preview-thickness.png preview-gap.png preview-findings.png formed.ply formed.obj formed.mtl "
-             "formed.glb uv-map.obj mold.stl report.json report.html").split()  # which a print always has
 
 
 class Others(threading.Thread):

@@ -27,9 +27,10 @@ bool makes(const Finished& job, const ArtifactKind& kind) {
   if (kind.name == "preview-temperature.png") return job.heat.source != HeatSource::uniform;
   for (const Layer& layer : job.print.layers)
     if (kind.name.starts_with(layer.name + ".")) return true;
-  for (const char* name : {"coils.csv", "array.json", "array.nec", "array.ts", "array-marie.msh",
-                           "array-marie.json", "array.stl"})
+  for (const char* name : {"array.json", "array.nec", "array.ts"})
     if (kind.name == name) return job.figures.electrical.has_value();
+  for (const char* name : {"coils.csv", "array-marie.msh", "array-marie.json", "array.stl"})
+    if (kind.name == name) return job.figures.electrical && !job.build->gaps.empty();
   for (const char* name :
        {"preview-original.png", "preview-position.png", "preview-colour.png", "preview-align.png"})
     if (kind.name == name) return job.figures.errors.has_value();
@@ -62,18 +63,18 @@ Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& cont
   files.push_back({"formed.glb", *std::move(glb)});
   files.push_back({"uv-map.obj", std::move(uv_map)});
   files.push_back({"mold.stl", std::move(stl)});
-  if (job.figures.electrical) {
-    const auto add = [&](const char* name, const std::string& text) {
-      files.push_back({name, {text.begin(), text.end()}});
-    };
-    add("coils.csv", coils_csv(job));
-    add("array.json", array_json(job));
-    add("array.nec", array_nec(job));
-    add("array.ts", array_touchstone(job));
-    add("array-marie.msh", marie_mesh(job));
-    add("array-marie.json", marie_circuit(job));
-    add("array.stl", conductors_stl(job));
-  }
+  const auto add = [&](const char* name, std::string (*make)(const Finished&)) {
+    if (!makes(job, *artifact_kind(name))) return;
+    const std::string text = make(job);
+    files.push_back({name, {text.begin(), text.end()}});
+  };
+  add("coils.csv", coils_csv);
+  add("array.json", array_json);
+  add("array.nec", array_nec);
+  add("array.ts", array_touchstone);
+  add("array-marie.msh", marie_mesh);
+  add("array-marie.json", marie_circuit);
+  add("array.stl", conductors_stl);
   // In the order of the table, whatever the order of the layers.
   std::sort(files.begin(), files.end(), [](const Artifact& a, const Artifact& b) {
     return artifact_kind(a.name) < artifact_kind(b.name);

@@ -36,7 +36,8 @@ bool inside(const std::vector<Ring>& rings, const Vector2d& p) {
   for (const Ring& ring : rings)
     for (std::size_t i = 0, k = ring.size() - 1; i < ring.size(); k = i++)
       if ((ring[i].y() > p.y()) != (ring[k].y() > p.y()) &&
-          p.x() < (ring[k].x() - ring[i].x()) * (p.y() - ring[i].y()) / (ring[k].y() - ring[i].y()) + ring[i].x())
+          p.x() <
+              (ring[k].x() - ring[i].x()) * (p.y() - ring[i].y()) / (ring[k].y() - ring[i].y()) + ring[i].x())
         in = !in;
   return in;
 }
@@ -103,8 +104,8 @@ class Solids {
     const SheetPoint at = locator_.nearest(rest, HUGE_VAL).value_or(SheetPoint{0, {1, 0, 0}});
     const bool reverse = layer.face != job_.settings.pattern.inked_face;
     const InkedSurface& surface = reverse ? *job_.reverse : job_.surface;
-    const Vector3d normal =
-        interpolate(job_.sheet.triangles, at, normals_[reverse ? 1 : 0]).normalized() * (layer.mirrored() ? -1 : 1);
+    const Vector3d normal = interpolate(job_.sheet.triangles, at, normals_[reverse ? 1 : 0]).normalized() *
+                            (layer.mirrored() ? -1 : 1);
     const double left = job_.sheet.element_thickness[index(at.triangle)] / job_.settings.sheet.thickness_mm;
     const double ink = 1e-3 * job_.settings.circuit.ink_um * left;
     double bottom = layer.step == PrintStep::bridges ? ink : 0;

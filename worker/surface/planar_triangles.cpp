@@ -74,8 +74,8 @@ PlanarTriangles triangulate(const std::vector<std::vector<Eigen::Vector2d>>& rin
   set_levels(triangulation);
   for (auto face = triangulation.finite_faces_begin(); face != triangulation.finite_faces_end(); ++face)
     if (face->info().value % 2 == 1)
-      out.triangles.push_back({face->vertex(0)->info().value, face->vertex(1)->info().value,
-                               face->vertex(2)->info().value});
+      out.triangles.push_back(
+          {face->vertex(0)->info().value, face->vertex(1)->info().value, face->vertex(2)->info().value});
   return out;
 }
 

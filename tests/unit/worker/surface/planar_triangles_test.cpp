@@ -21,19 +21,19 @@ double area_of(const PlanarTriangles& of) {
   return out;
 }
 
-std::vector<Vector2d> square(double x, double y, double side) {
+std::vector<Vector2d> square_at(double x, double y, double side) {
   return {{x, y}, {x + side, y}, {x + side, y + side}, {x, y + side}};
 }
 
 TEST(PlanarTriangles, CoverARingWithItsHoleAndAnIslandInIt) {
-  const PlanarTriangles all = triangulate({square(0, 0, 10), square(2, 3, 5), square(3, 4, 1)});
+  const PlanarTriangles all = triangulate({square_at(0, 0, 10), square_at(2, 3, 5), square_at(3, 4, 1)});
   EXPECT_TRUE(all.simple);
   EXPECT_NEAR(area_of(all), 100 - 25 + 1, 1e-9);
   EXPECT_EQ(all.points.size(), 12u);
 }
 
 TEST(PlanarTriangles, CoverRingsThatTouchAtAPoint) {
-  const PlanarTriangles two = triangulate({square(0, 0, 2), square(2, 2, 3)});
+  const PlanarTriangles two = triangulate({square_at(0, 0, 2), square_at(2, 2, 3)});
   EXPECT_FALSE(two.simple);
   EXPECT_NEAR(area_of(two), 4 + 9, 1e-9);
 }
