@@ -253,12 +253,12 @@ class Build {
 
   void add_pads(std::size_t e, Element& out) const {
     const LoopPath& path = traces_[e]->path();
-    const double long_ = pads_.length / traces_[e]->scale(),
+    const double length = pads_.length / traces_[e]->scale(),
                  wide = drawn_width(std::max(pads_.width, traces_[e]->width_mm()));
     for (const LoopGap& gap : build_.gaps) {
       if (gap.coil != static_cast<int>(e) || gap.drawn) continue;
-      out.shapes.push_back(along_loop(path, {gap.along.from - long_, gap.along.from}, wide));
-      out.shapes.push_back(along_loop(path, {gap.along.to, gap.along.to + long_}, wide));
+      out.shapes.push_back(along_loop(path, {gap.along.from - length, gap.along.from}, wide));
+      out.shapes.push_back(along_loop(path, {gap.along.to, gap.along.to + length}, wide));
     }
   }
 

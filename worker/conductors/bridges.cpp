@@ -72,7 +72,9 @@ class Choice {
     return over(place) ? chosen(place.crossing).reach : chosen(place.crossing).patch;
   }
   int crowded(int loop, const Place& place) const {
-    const auto& [places, length] = on_loop_.at(loop);
+    const OnLoop& of = on_loop_.at(loop);
+    const std::vector<Place>& places = of.places;
+    const double length = of.length;
     int count = 0;
     const auto look = [&](double from, double to) {
       auto at = std::lower_bound(places.begin(), places.end(), from,

@@ -36,7 +36,7 @@ Islands::Islands(const std::vector<Ring>& rings) {
   // of it.
   for (const Ring& ring : area) {
     if (signed_area(ring) > 0) continue;
-    const Vector2d just_out = ring.front();
+    const Vector2d& just_out = ring.front();
     int around = -1;
     double least = 0;
     for (std::size_t i = 0; i < outlines_.size(); ++i) {

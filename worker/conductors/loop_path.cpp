@@ -27,8 +27,8 @@ std::size_t LoopPath::piece(double along) const {
 Vector2d LoopPath::at(double along) const {
   const double x = round(along);
   const std::size_t i = piece(x);
-  const double long_ = along_[i + 1] - along_[i];
-  return long_ > 0 ? Vector2d(points_[i] + (x - along_[i]) / long_ * (points_[i + 1] - points_[i]))
+  const double all = along_[i + 1] - along_[i];
+  return all > 0 ? Vector2d(points_[i] + (x - along_[i]) / all * (points_[i + 1] - points_[i]))
                    : points_[i];
 }
 
@@ -37,7 +37,8 @@ Curve LoopPath::part(double from, double to) const {
   std::vector<Vector2d> line{at(begin)};
   const std::size_t pieces = points_.size() - 1;
   for (std::size_t i = piece(begin) + 1;; ++i) {
-    const double next = along_[i % pieces] + length() * static_cast<double>(i / pieces);
+    const std::size_t rounds = i / pieces;
+    const double next = along_[i % pieces] + length() * static_cast<double>(rounds);
     if (next >= end) break;
     line.push_back(points_[i % pieces]);
   }
