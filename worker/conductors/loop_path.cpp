@@ -28,8 +28,7 @@ Vector2d LoopPath::at(double along) const {
   const double x = round(along);
   const std::size_t i = piece(x);
   const double all = along_[i + 1] - along_[i];
-  return all > 0 ? Vector2d(points_[i] + (x - along_[i]) / all * (points_[i + 1] - points_[i]))
-                   : points_[i];
+  return all > 0 ? Vector2d(points_[i] + (x - along_[i]) / all * (points_[i + 1] - points_[i])) : points_[i];
 }
 
 Curve LoopPath::part(double from, double to) const {
