@@ -195,10 +195,11 @@ class Pages {
     pdf_.object(parent_, std::string("<< /Type /Pages /Count ") + std::to_string(count_) + " /Kids [" +
                              kids_ + "] >>");
     const std::string layers = std::string("[") + reference(pattern_) + " " + reference(marks_) + "]";
+    const std::string named =
+        count_ > 1 ? std::string(" /PageLabels << /Nums [") + labels_ + "] >>" : std::string();
     // Printed at its own size: otherwise viewers would fit the page to the paper.
     return pdf_.finish(pdf_.object(
-        std::string("<< /Type /Catalog /Pages ") + reference(parent_) + " /PageLabels << /Nums [" + labels_ +
-        "] >> /ViewerPreferences << /PrintScaling /None >> /OCProperties << /OCGs " + layers +
+        std::string("<< /Type /Catalog /Pages ") + reference(parent_) + named + " /ViewerPreferences << /PrintScaling /None >> /OCProperties << /OCGs " + layers +
         " /D << /Order " + layers + " /ON " + layers + " >> >> >>"));
   }
 

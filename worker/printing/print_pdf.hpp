@@ -17,9 +17,9 @@ struct PdfPage {
   PageContent shown;
 };
 
-// Pages of the size of the sheet, with two layers that a viewer can switch, "pattern" and "marks"; a viewer shows the name
-// of each page as its label. Vectors stay vectors; a picture is embedded losslessly with its own deflated rows. Texts are
-// texts, in Helvetica, which every viewer and press has. A picture with an opacity is converted to `profile`. Colours of
+// Pages of the size of the sheet, with two layers that a viewer can switch, "pattern" and "marks". Of several pages, a viewer
+// shows the name of each as its label. Vectors stay vectors; a picture is embedded losslessly with its own deflated rows. Texts
+// are texts, in Helvetica, which every viewer and press has. A picture with an opacity is converted to `profile`. Colours of
 // vectors are sRGB. No dates: the same print gives the same bytes.
 std::vector<std::uint8_t> make_pdf(const std::vector<const PdfPage*>& pages, const OutputProfile& profile);
 
