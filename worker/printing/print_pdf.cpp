@@ -198,9 +198,9 @@ class Pages {
     const std::string named =
         count_ > 1 ? std::string(" /PageLabels << /Nums [") + labels_ + "] >>" : std::string();
     // Printed at its own size: otherwise viewers would fit the page to the paper.
-    return pdf_.finish(pdf_.object(
-        std::string("<< /Type /Catalog /Pages ") + reference(parent_) + named + " /ViewerPreferences << /PrintScaling /None >> /OCProperties << /OCGs " + layers +
-        " /D << /Order " + layers + " /ON " + layers + " >> >> >>"));
+    return pdf_.finish(pdf_.object(std::string("<< /Type /Catalog /Pages ") + reference(parent_) + named +
+                                   " /ViewerPreferences << /PrintScaling /None >> /OCProperties << /OCGs " +
+                                   layers + " /D << /Order " + layers + " /ON " + layers + " >> >> >>"));
   }
 
  private:
