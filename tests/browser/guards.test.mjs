@@ -1,6 +1,6 @@
 // The mistakes that cost a sheet or worse: each has a guard that names it and loses nothing.
 import assert from 'node:assert/strict';
-import {checked, download, giveSample, quick, referenceField, settled, setUp, show, startFurnished} from './drive.mjs';
+import {checked, download, drawn, giveSample, quick, referenceField, settled, setUp, show, startFurnished} from './drive.mjs';
 
 const test = setUp(() => startFurnished(1));
 
@@ -60,6 +60,25 @@ test('a print for the inner face says so on the page, on the sheet and in the na
   assert.match(svg, /inner face, MIRRORED/);
   assert.match(svg, /FACE-1/);
   assert.equal((await download(page)).suggestedFilename(), 'FACE-1-inner-print.pdf');
+});
+
+test('a mirrored print knows its coils where they lie', async ({page, service}) => {
+  const {id} = await service.print({reference: 'FACE-2'}, {...quick, pattern: {inked_face: 'inner'}});
+  await show(page, `#/jobs/${id}?mode=with`);
+  await drawn(page);
+  for (const coil of ['coil-4', 'coil-12', 'coil-19']) {
+    await page.locator(`#row-${coil}`).click();  // turns the view to its middle
+    await settled(page);
+    await page.locator('.result-view canvas').first().press('i');
+    assert.match(await page.locator('.readout div').filter({hasText: 'Coil'}).first().innerText(), new RegExp(`\\b${coil}(?!\\d)`), coil);
+  }
+});
+
+test('a print in steps does not say that all of it is for one face', async ({page, service}) => {
+  const {id} = await service.print({reference: 'STEPS-1'}, {...quick, coils: {decouple: true, build: 'two_faces', gaps: 4}});
+  await show(page, `#/jobs/${id}`);
+  await page.getByText('print.pdf has 6 pages, one for each step of printing').waitFor();
+  assert.equal(await page.getByText('The print is not mirrored').count(), 0);
 });
 
 test('a print with a serious warning is not called the one to print, and the same coils are compared', async ({page, service}) => {

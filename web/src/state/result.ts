@@ -178,14 +178,14 @@ export function sorted(coils: readonly Coil[], by: Column, down: boolean): Coil[
 export type Line = [number, number][];  // (s, t) mm
 
 // The centre lines of each element in print.svg, where x = s and y = -t. Only what Vacuform writes there is understood:
-// M, L, C and Z with absolute numbers. A mirrored print is turned back.
-export function centreLines(svg: string, mirrored: boolean): Map<string, Line[]> {
+// M, L, C and Z with absolute numbers. The coordinates of a mirrored print are those before it is mirrored.
+export function centreLines(svg: string): Map<string, Line[]> {
   const lines = new Map<string, Line[]>();
   for (const group of svg.split('<g id="').slice(1)) {
     const id = unescaped(group.slice(0, group.indexOf('"')));
     for (const [path] of group.matchAll(/<path[^>]*class="centreline"[^>]*>/g)) {
       const d = / d="([^"]*)"/.exec(path)?.[1] ?? '';
-      lines.set(id, [...lines.get(id) ?? [], ...pathLines(d, mirrored ? -1 : 1)]);
+      lines.set(id, [...lines.get(id) ?? [], ...pathLines(d)]);
     }
   }
   return lines;
@@ -193,12 +193,12 @@ export function centreLines(svg: string, mirrored: boolean): Map<string, Line[]>
 const entities: Record<string, string> = {amp: '&', lt: '<', gt: '>', quot: '"', apos: "'", '#39': "'"};
 const unescaped = (text: string): string => text.replace(/&(amp|lt|gt|quot|apos|#39);/g, (_, name: string) => entities[name] ?? '');
 
-function pathLines(d: string, side: 1 | -1): Line[] {
+function pathLines(d: string): Line[] {
   const lines: Line[] = [];
   let line: Line = [];
   for (const [, command, text = ''] of d.matchAll(/([MLCZ])([^MLCZ]*)/gi)) {
     const n = (text.match(/-?[\d.]+(?:e-?\d+)?/g) ?? []).map(Number);
-    const at = (i: number): [number, number] => [side * (n[i] ?? 0), -(n[i + 1] ?? 0)];
+    const at = (i: number): [number, number] => [n[i] ?? 0, -(n[i + 1] ?? 0)];
     if (command === 'M') lines.push(line = [at(0)]);
     else if (command === 'L') for (let i = 0; i + 1 < n.length; i += 2) line.push(at(i));
     else if (command === 'C')

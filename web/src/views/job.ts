@@ -220,19 +220,20 @@ class JobView extends View {
       el('h2', {class: 'hidden'}, t('job.result')), result,
       el('div', {class: 'columns'},
         el('section', {class: 'card'}, el('h2', {id: 'warnings', tabindex: -1}, t('job.warnings')), warningsList(report.warnings, show)),
-        el('div', {class: 'stack'}, this.#printing(report), files.element)),
+        el('div', {class: 'stack'}, this.#printing(job, report), files.element)),
       pictures,
     ];
   }
 
   // What must be true when the print is made.
-  #printing(report: Report): HTMLElement {
+  #printing(job: Job, report: Report): HTMLElement {
     const inner = report.print?.inked_face === 'inner', ruler = report.print?.ruler_mm;
+    const steps = job.artifacts.filter((file) => /^print.*\.pdf$/.test(file.name)).length;
     return el('section', {class: 'card'}, el('h2', {id: 'printing', tabindex: -1}, t('job.before_print')),
       el('ol', {class: 'todo'},
         el('li', null, t('job.print_scale')),
         el('li', null, ruler ? t('job.print_ruler', {mm: ruler}) : t(ruler === null ? 'job.print_no_ruler' : 'job.print_ruler_any')),
-        el('li', null, inner ? t('job.print_inner') : t('job.print_outer')),
+        el('li', null, steps > 1 ? t('job.print_steps', {count: steps}) : inner ? t('job.print_inner') : t('job.print_outer')),
         el('li', null, t('job.print_label', {label: report.label ?? ''}))));
   }
 

@@ -342,7 +342,7 @@ export function partView(job: Job, report: PrintReport, model: Model, coils: rea
   async function loadLines(): Promise<void> {
     if (coils.length === 0) return;
     const svg = await (await api.artifact(job.id, 'print.svg')).text();
-    lines = centreLines(svg, report.print.mirrored);
+    lines = centreLines(svg);
     paint();
   }
 
