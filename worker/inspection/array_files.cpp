@@ -63,10 +63,9 @@ double coupling(const Finished& job, std::size_t a, std::size_t b) {
 // The current that one in loop a drives in loop b, as its share, if nothing but the losses of b stands against it.
 double current(const Finished& job, std::size_t a, std::size_t b) {
   const CircuitFigures& of = *job.figures.electrical;
-  return coupled_current(coupling(job, a, b),
-                         std::sqrt(of.loops[a].inductance_nh * of.loops[b].inductance_nh),
-                         job.settings.circuit.frequency_mhz,
-                         of.array.loops[b].coil_ohm + of.array.loops[b].body_ohm, 0);
+  return coupled_current(
+      coupling(job, a, b), std::sqrt(of.loops[a].inductance_nh * of.loops[b].inductance_nh),
+      job.settings.circuit.frequency_mhz, of.array.loops[b].coil_ohm + of.array.loops[b].body_ohm, 0);
 }
 
 // What preamplifiers leave of a current.
