@@ -67,7 +67,7 @@ std::optional<FittedSphere> fit_sphere(const std::vector<Vector3d>& points) {
 ArrayCircuit array_circuit(const std::vector<LoopOnPart>& loops, const FittedSphere& body, double above_mm,
                            const CircuitSettings& settings) {
   const double mhz = settings.frequency_mhz;
-  const Body sphere{body.radius_mm, settings.conductivity};
+  const ConductingSphere sphere{body.radius_mm, settings.conductivity};
   ArrayCircuit out{body, std::vector<LoopCircuit>(loops.size()),
                    CouplingMatrix(static_cast<int>(loops.size()))};
   std::vector<LoopOnSphere> on_sphere;

@@ -32,7 +32,7 @@ class Legendre {
 
 }  // namespace
 
-double noise_resistance(const Body& body, const LoopOnSphere& a, const LoopOnSphere& b, double angle,
+double noise_resistance(const ConductingSphere& body, const LoopOnSphere& a, const LoopOnSphere& b, double angle,
                         double frequency_mhz) {
   const double radius = body.radius_mm / 1000,
                near = body.radius_mm * body.radius_mm / (a.distance_mm * b.distance_mm);

@@ -13,7 +13,7 @@ struct LoopOnSphere {
   double half_angle = 0;   // between the loop's axis and its points, radians, above 0
 };
 
-struct Body {
+struct ConductingSphere {
   double radius_mm = 0;
   double conductivity = 0.6;  // of brain and muscle at 64 to 300 MHz, about .5 to .7
 };
@@ -23,7 +23,7 @@ struct Body {
 //   q_il = mu0 sin a_i P_l^1(cos a_i) / (2 l c_i^l),
 // with R the radius of the body, c_i and a_i the distance and half angle of a loop. To a relative 1e-9. The ratio
 // R_ij / sqrt(R_ii R_jj) is the correlation of the noise, which does not vanish where the inductive coupling does.
-double noise_resistance(const Body& body, const LoopOnSphere& a, const LoopOnSphere& b, double angle,
+double noise_resistance(const ConductingSphere& body, const LoopOnSphere& a, const LoopOnSphere& b, double angle,
                         double frequency_mhz);
 
 // Of a loop in parallel to the surface of a half space, so far above it:

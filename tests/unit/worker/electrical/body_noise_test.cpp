@@ -12,7 +12,7 @@ constexpr double degree = M_PI / 180;
 // A loop of 40 mm radius at 95 mm from the centre of a sphere of 85 mm; the own resistance was also found by quadrature
 // (2.8799 ohm).
 TEST(BodyNoise, OfASphereIsTheSeries) {
-  const Body body{85, 0.6};
+  const ConductingSphere body{85, 0.6};
   const LoopOnSphere loop{95, std::asin(40.0 / 95)};
   const double own = noise_resistance(body, loop, loop, 0, 127.74);
   EXPECT_NEAR(own, 2.8793, 1e-4);
@@ -23,7 +23,7 @@ TEST(BodyNoise, OfASphereIsTheSeries) {
 }
 
 TEST(BodyNoise, OfALargerSphere) {
-  const Body body{90, 0.5};
+  const ConductingSphere body{90, 0.5};
   const LoopOnSphere loop{95, std::asin(40.0 / 95)};
   const double own = noise_resistance(body, loop, loop, 0, 127.74);
   EXPECT_NEAR(own, 3.7724, 1e-4);
@@ -34,7 +34,7 @@ TEST(BodyNoise, OfALargerSphere) {
 
 // The power of the sphere's field by direct integration: loops of different sizes and distances.
 TEST(BodyNoise, IsSymmetricAndGrowsWithTheSquareOfTheFrequency) {
-  const Body body{80, 0.6};
+  const ConductingSphere body{80, 0.6};
   const LoopOnSphere small{83, 0.2}, large{100, 0.7};
   EXPECT_NEAR(noise_resistance(body, small, large, 0.5, 100), noise_resistance(body, large, small, 0.5, 100),
               1e-12);
