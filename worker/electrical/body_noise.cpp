@@ -32,8 +32,8 @@ class Legendre {
 
 }  // namespace
 
-double noise_resistance(const ConductingSphere& body, const LoopOnSphere& a, const LoopOnSphere& b, double angle,
-                        double frequency_mhz) {
+double noise_resistance(const ConductingSphere& body, const LoopOnSphere& a, const LoopOnSphere& b,
+                        double angle, double frequency_mhz) {
   const double radius = body.radius_mm / 1000,
                near = body.radius_mm * body.radius_mm / (a.distance_mm * b.distance_mm);
   const double sine_a = std::sin(a.half_angle), sine_b = std::sin(b.half_angle);

@@ -23,8 +23,8 @@ struct ConductingSphere {
 //   q_il = mu0 sin a_i P_l^1(cos a_i) / (2 l c_i^l),
 // with R the radius of the body, c_i and a_i the distance and half angle of a loop. To a relative 1e-9. The ratio
 // R_ij / sqrt(R_ii R_jj) is the correlation of the noise, which does not vanish where the inductive coupling does.
-double noise_resistance(const ConductingSphere& body, const LoopOnSphere& a, const LoopOnSphere& b, double angle,
-                        double frequency_mhz);
+double noise_resistance(const ConductingSphere& body, const LoopOnSphere& a, const LoopOnSphere& b,
+                        double angle, double frequency_mhz);
 
 // Of a loop in parallel to the surface of a half space, so far above it:
 //   pi / 4 sigma w^2 mu0^2 a^3 I(d / a), I(x) the integral of (J1(t) / t)^2 exp(-2 t x) over t > 0.
