@@ -59,10 +59,10 @@ void change_object(const fs::path& data, const std::string& sha256, const std::s
 }
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(StoreInFilesTest);
-INSTANTIATE_TEST_SUITE_P(
-    , StoreTest,
-    testing::Values(Backend{"PostgresAndS3", open_postgres_and_s3, blob_objects, change_object, 4 * hour}),
-    [](const auto& backend) { return backend.param.name; });
+INSTANTIATE_TEST_SUITE_P(, StoreTest,
+                         testing::Values(Backend{"PostgresAndS3", open_postgres_and_s3, blob_objects,
+                                                 change_object, 4 * hour}),
+                         [](const auto& backend) { return backend.param.name; });
 
 // Blobs as objects, with the rows of a real store, and with small limits.
 class S3BlobsTest : public testing::Test {
