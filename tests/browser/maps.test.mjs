@@ -5,8 +5,8 @@ import {setUp, show} from './drive.mjs';
 const test = setUp();
 const points = 10;
 
-// The colours of a PNG at even places of its row in the middle, or so many pixels above its lower edge, without `margin`
-// pixels at both ends.
+// The colours of a PNG at even places of one of its rows, without `margin` pixels at both ends. `row`: 'middle', or pixels
+// above the lower edge.
 async function colours(browser, png, margin, row) {
   const page = await browser.newPage();  // without the policy of our pages
   const found = await page.evaluate(async ({source, margin, row, points}) => {

@@ -1,5 +1,4 @@
-// The store with its blobs in a real object store, as servers that share both have it; and what is so with objects alone,
-// whose rows are in SQLite here.
+// The store with its blobs in a real object store, and its rows in either database; and what is so with objects alone.
 #include "server/store/blobs/s3/s3_blobs.hpp"
 
 #include <algorithm>
@@ -25,6 +24,10 @@ StoreOptions with_objects(const fs::path& data, StoreOptions options) {
   options.blobs = S3Server::get().url(folder_of(data));
   options.blobs_credentials = S3Server::get().credentials_file();
   return options;
+}
+
+Result<std::unique_ptr<Store>> open_sqlite_and_s3(const fs::path& data, StoreOptions options) {
+  return open_store(data, with_objects(data, std::move(options)));
 }
 
 Result<std::unique_ptr<Store>> open_postgres_and_s3(const fs::path& data, StoreOptions options) {
@@ -59,10 +62,11 @@ void change_object(const fs::path& data, const std::string& sha256, const std::s
 }
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(StoreInFilesTest);
-INSTANTIATE_TEST_SUITE_P(, StoreTest,
-                         testing::Values(Backend{"PostgresAndS3", open_postgres_and_s3, blob_objects,
-                                                 change_object, 4 * hour}),
-                         [](const auto& backend) { return backend.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    , StoreTest,
+    testing::Values(Backend{"SqliteAndS3", open_sqlite_and_s3, blob_objects, change_object, 4 * hour},
+                    Backend{"PostgresAndS3", open_postgres_and_s3, blob_objects, change_object, 4 * hour}),
+    [](const auto& backend) { return backend.param.name; });
 
 // Blobs as objects, with the rows of a real store, and with small limits.
 class S3BlobsTest : public testing::Test {
