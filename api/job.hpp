@@ -67,7 +67,7 @@ struct ArtifactKind {
   std::string_view title;  // one line for people
   bool always = true;      // otherwise only jobs with matching content make it
 };
-inline constexpr std::array<ArtifactKind, 56> artifact_kinds{{
+inline constexpr std::array<ArtifactKind, 57> artifact_kinds{{
     {"print.png", "image/png", "The print: pre-distorted pattern, 1:1, exact dpi"},
     {"print.svg", "image/svg+xml", "The print at 1:1 with its marks, user units in mm"},
     {"print.pdf", "application/pdf", "The print at 1:1 with its marks, on a page of the sheet's size"},
@@ -124,6 +124,7 @@ inline constexpr std::array<ArtifactKind, 56> artifact_kinds{{
     {"formed.glb", "model/gltf-binary", "The formed sheet for 3D viewers, with and without pre-distortion"},
     {"uv-map.obj", "model/obj", "The formed surface, textured with the pattern"},
     {"mold.stl", "model/stl", "The mold as placed and trimmed, watertight"},
+    {"layers.dxf", "image/vnd.dxf", "The layers of the print as outlines, for CAD programs", false},
     {"coils.csv", "text/csv; charset=utf-8", "What to solder: each gap with its capacitor and its place",
      false},
     {"array.json", "application/json", "The loops as circuits: figures, matrices, lines in space", false},

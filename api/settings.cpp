@@ -238,6 +238,13 @@ Result<void> check_source(const Settings& s) {
   return {};
 }
 
+Result<void> check_gaps(const CoilSettings& coils) {
+  if (coils.gap_rule == GapRule::count || coils.gaps == 0) return {};
+  return fail(Code::bad_settings,
+              "coils.gap_rule=frequency chooses the number of gaps, and coils.gaps gives one", "coils.gaps",
+              "leave one of them out");
+}
+
 // From nothing to full coverage, and never less ink for more coverage.
 Result<void> check_ink_curve(const InkCurveRows& rows) {
   if (rows.empty()) return {};
@@ -287,6 +294,7 @@ Result<void> check_together(const Settings& s) {
                 "flattening.weights",
                 "lay the drawing by pattern.offset_mm and rotate_deg, or choose other weights");
   VACUFORM_CHECK(check_source(s));
+  VACUFORM_CHECK(check_gaps(s.coils));
   VACUFORM_CHECK(check_ink_curve(s.print.ink_curve));
   if (s.forming.quality == FormingQuality::fast && s.forming.model != FormingModel::membrane)
     return fail(Code::bad_settings, "only the membrane model can be extrapolated from coarser grids",

@@ -34,7 +34,8 @@ enum class PatternSource { file, scan, both };
 enum class PatternPlacement { automatic, elements, chart, segments };
 enum class CoilKeep { area, diameter };
 enum class CoilBuild { single, two_faces, bridges };
-enum class CapacitorCase { c0805, c1111, custom };
+enum class GapRule { count, frequency };
+enum class CapacitorCase { c0805, c1111, custom, printed };
 enum class PortSide { edge, top };
 // Front is the half of the formed part towards +y, back the other; scan.yaw_deg turns the head.
 enum class ArrayRegion { dome, front, back };
@@ -62,6 +63,9 @@ struct SheetSettings {
   double thickness_mm = 1;
   Material material = Material::petg;
   double resolution_mm = 1.5;  // grid spacing
+  // As the dielectric of printed capacitors; none: by the material (worker/electrical/sheet_dielectric.hpp).
+  std::optional<double> permittivity, loss_tangent;
+  double thickness_tolerance = 0.05;  // of the formed sheet, as a share
 };
 
 // A flat radiant heater that faces the sheet.
@@ -158,10 +162,14 @@ struct CoilSettings {
   double patch_margin_mm = 0.5;    // of the dielectric beyond the conductors that it parts
   double bridge_overlap_mm = 1.5;  // of a bridge on each end of the loop below it
   double clearance_mm = 0.5;       // least distance of conductors of different loops
-  int gaps = 0;  // for capacitors in each loop without drawn ones, one of them the port; 0: none
+  // Gaps for capacitors in each loop without drawn ones, one of them the port: `gaps` of them, 0 for none; or as few as leave
+  // parts of at most a tenth of a wavelength and capacitors of at least 2 pF at circuit.frequency_mhz.
+  GapRule gap_rule = GapRule::count;
+  int gaps = 0;
   CapacitorCase capacitor = CapacitorCase::c0805;
   double gap_mm = 1, pad_length_mm = 1,
          pad_width_mm = 1.5;       // of a custom case: between the pads, along, across
+  double plate_width_mm = 8;       // of printed capacitors, across the trace
   PortSide port = PortSide::edge;  // where the cables leave
 };
 
@@ -194,6 +202,7 @@ struct PrintSettings {
   int dpi = 300;
   bool marks = true;
   double margin_mm = 3;                       // free of marks along the sheet's edge
+  bool compensate_width = false;              // wider traces of loops where the sheet stretches more
   bool compensate_ink = false;                // more ink where the sheet stretches more; shades of gray only
   bool compensate_colours = true;             // the same for the colours of a scan, by the curve of the ink
   InkCurveRows ink_curve;                     // none: linear

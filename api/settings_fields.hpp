@@ -33,7 +33,8 @@ inline constexpr std::array<std::string_view, 3> pattern_source_names{"file", "s
 inline constexpr std::array<std::string_view, 4> placement_names{"auto", "elements", "chart", "segments"};
 inline constexpr std::array<std::string_view, 2> keep_names{"area", "diameter"};
 inline constexpr std::array<std::string_view, 3> build_names{"single", "two_faces", "bridges"};
-inline constexpr std::array<std::string_view, 3> case_names{"0805", "1111", "custom"};
+inline constexpr std::array<std::string_view, 4> case_names{"0805", "1111", "custom", "printed"};
+inline constexpr std::array<std::string_view, 2> rule_names{"count", "frequency"};
 inline constexpr std::array<std::string_view, 2> port_names{"edge", "top"};
 inline constexpr std::array<std::string_view, 3> region_names{"dome", "front", "back"};
 inline constexpr std::array<std::string_view, 2> face_names{"outer", "inner"};
@@ -59,6 +60,7 @@ inline std::span<const std::string_view> names_of(PatternPlacement) { return pla
 inline std::span<const std::string_view> names_of(CoilKeep) { return keep_names; }
 inline std::span<const std::string_view> names_of(CoilBuild) { return build_names; }
 inline std::span<const std::string_view> names_of(CapacitorCase) { return case_names; }
+inline std::span<const std::string_view> names_of(GapRule) { return rule_names; }
 inline std::span<const std::string_view> names_of(PortSide) { return port_names; }
 inline std::span<const std::string_view> names_of(ArrayRegion) { return region_names; }
 inline std::span<const std::string_view> names_of(InkedFace) { return face_names; }
@@ -131,6 +133,15 @@ void describe(S& s, V& v) {
   v.field("thickness_mm", s.sheet.thickness_mm, {0.05, 10, "mm"}, "Thickness before forming");
   v.field("material", s.sheet.material, "Plastic");
   v.field("resolution_mm", s.sheet.resolution_mm, {0.5, 20, "mm"}, "Grid spacing of the simulation");
+  v.field("permittivity", s.sheet.permittivity, {1, 20, "1"},
+          "Relative permittivity of the plastic at the frequency of the loops, for printed capacitors; none: "
+          "by the material");
+  v.field("loss_tangent", s.sheet.loss_tangent, {0, 0.5, "1"},
+          "Loss tangent of the plastic there; none: by the material");
+  v.field("thickness_tolerance", s.sheet.thickness_tolerance, {0, 0.5, "1"},
+          "Share by which the thickness of the formed sheet may differ from the simulation, for the "
+          "tolerance of printed "
+          "capacitors");
 
   v.group("machine", "Machine: clamp frame and vacuum");
   v.field("window", s.machine.window, "Shape of the opening of the clamp frame");
@@ -261,13 +272,22 @@ void describe(S& s, V& v) {
           "Overlap of a bridge with each end of its loop");
   v.field("clearance_mm", s.coils.clearance_mm, {0.05, 10, "mm"},
           "Least distance between conductors of different loops");
+  v.field("gap_rule", s.coils.gap_rule,
+          "How many gaps for capacitors a loop has that is drawn without: coils.gaps, or as few as its "
+          "frequency allows "
+          "(parts of at most a tenth of a wavelength, capacitors of at least 2 pF)");
   v.field("gaps", s.coils.gaps, {0, 16, "1"},
           "Gaps for capacitors in each loop that is drawn without, the first of them its port; 0 leaves "
           "loops closed");
-  v.field("capacitor", s.coils.capacitor, "Case of the capacitors: the size of the pads at each gap");
+  v.field("capacitor", s.coils.capacitor,
+          "Case of the capacitors: the size of the pads at each gap; printed: a plate on the other face of "
+          "the sheet under "
+          "each gap but the port, which has the pads of 0805");
   v.field("gap_mm", s.coils.gap_mm, {0.1, 20, "mm"}, "Between the pads of a custom case");
   v.field("pad_length_mm", s.coils.pad_length_mm, {0.1, 20, "mm"}, "Pad of a custom case, along the trace");
   v.field("pad_width_mm", s.coils.pad_width_mm, {0.1, 20, "mm"}, "Pad of a custom case, across the trace");
+  v.field("plate_width_mm", s.coils.plate_width_mm, {1, 60, "mm"},
+          "Plates of printed capacitors, across the trace");
   v.field("port", s.coils.port,
           "Where the cables leave: each loop's port is on its side towards the edge, or the top");
 
@@ -305,6 +325,10 @@ void describe(S& s, V& v) {
   v.field("dpi", s.print.dpi, {72, 1200, "1/in"}, "Resolution of print.png");
   v.field("marks", s.print.marks, "Registration marks, ruler, sheet edge and text");
   v.field("margin_mm", s.print.margin_mm, {0, 50, "mm"}, "Free of marks along the sheet's edge");
+  v.field("compensate_width", s.print.compensate_width,
+          "Wider traces of loops where the sheet stretches more, at most three times as wide, so that each "
+          "millimetre of the "
+          "array has the same resistance; not within bridges and gaps");
   v.field("compensate_ink", s.print.compensate_ink,
           "More ink where the sheet stretches more; pictures in shades of gray only");
   v.field(

@@ -14,6 +14,9 @@ constexpr WarningKind kinds[] = {
      "there.",
      "Set a smaller coils.bridge_overlap_mm or coils.patch_margin_mm, or coils.build=two_faces, or draw "
      "larger loops."},
+    {"capacitors-small", Severity::warning,
+     "A loop wants capacitors of less than 2 pF: those of the cables and of the head detune it.",
+     "Set more coils.gaps or coils.gap_rule=frequency, or draw smaller loops."},
     {"clamp-narrow", Severity::warning,
      "The clamp frame holds only a narrow border of the sheet, which may slip.",
      "Use a larger sheet or a smaller window."},
@@ -104,6 +107,16 @@ constexpr WarningKind kinds[] = {
      "if they are swapped."},
     {"large-hole", Severity::warning, "A large hole of the scan was filled. The mold is a guess there.",
      "Scan the place again, or check the mold there."},
+    {"layer-unnamed", Severity::warning,
+     "The drawing has layers for steps of printing, and shapes that are on none of them. They are printed "
+     "with the first "
+     "conductor.",
+     "Move them to one of the layers, or name their layer after its step (docs/how-to/array.md), or take "
+     "them out."},
+    {"layers-as-one", Severity::serious,
+     "The drawing has layers for steps of printing, and contains what is only printed as a picture. All of "
+     "it is in one layer.",
+     "Turn texts and pictures into paths, so that its lines stay lines."},
     {"length-far-off", Severity::serious,
      "Lines come out more than 10 % longer or shorter on the formed part than drawn.",
      "Make the drawing smaller, place it nearer to the top, or give its coils as loops, so that each keeps "
@@ -157,6 +170,11 @@ constexpr WarningKind kinds[] = {
      "or other "
      "settings, or the settings move the drawing.",
      "Lay the coils out again for this scan and these settings."},
+    {"plates-small", Severity::serious,
+     "Printed capacitors have no room for the capacitance that tunes their loops: they stay above their "
+     "frequency.",
+     "Use a thinner sheet or one of a higher permittivity, a larger coils.plate_width_mm or frequency, or "
+     "coils.capacitor=0805."},
     {"rebuilt", Severity::warning,
      "The surface of the scan was too broken to close and was rebuilt. Details may be lost.",
      "Compare mold.stl with the scan, or repair the scan in a mesh editor."},

@@ -1,10 +1,12 @@
 // DXF in ASCII: pairs of lines, a group code and a value (Autodesk, DXF Reference). Numbers of shapes stay, and the words that
-// say what they are. Layers and blocks get numbers for names; every other text becomes empty. Lines keep their places.
+// say what they are. Blocks get numbers for names, and so do layers but those that are named after a step of printing
+// (print_step.hpp); every other text becomes empty. Lines keep their places.
 #include <charconv>
 #include <map>
 #include <optional>
 
 #include "api/base/text.hpp"
+#include "api/print_step.hpp"
 #include "api/redaction/formats.hpp"
 
 namespace vacuform::redaction {
@@ -62,9 +64,9 @@ class DxfWriter {
     }
     if (section_ == "HEADER") return variable(code, value);
     if (section_ != "TABLES" && section_ != "BLOCKS" && section_ != "ENTITIES") return std::string();
-    if (code == 8) return layers_.number_of(value);
+    if (code == 8) return layer(value);
     if (code == 2) {
-      if (type_ == "LAYER") return layers_.number_of(value);
+      if (type_ == "LAYER") return layer(value);
       if (type_ == "BLOCK" || type_ == "INSERT") return block(value);
       if (type_ == "TABLE" && one_of(value, dxf_tables)) return std::string(value);
       return std::string();
@@ -86,6 +88,10 @@ class DxfWriter {
       return std::string(version ? value : std::string_view());
     }
     return number(variable_ == "$OTHER" ? std::string_view() : value);
+  }
+  Result<std::string> layer(std::string_view value) {
+    if (drawn_layer(value)) return std::string(value);
+    return layers_.number_of(value);
   }
   // The model and the sheets of paper are blocks with names that count.
   Result<std::string> block(std::string_view value) {

@@ -14,6 +14,7 @@
 
 #include "api/base/base64.hpp"
 #include "api/base/text.hpp"
+#include "api/print_step.hpp"
 #include "api/redaction/formats.hpp"
 #include "api/redaction/svg_generator.hpp"
 #include "api/redaction/svg_words.hpp"
@@ -399,6 +400,8 @@ class Writer : public Walk {
     if (key == "xml:space" || key == "xml:id") return Kept(key, value);
     if (whole.local == "groupmode" && whole.uri == inkscape_uri && value == "layer")
       return Kept("inkscape:groupmode", value);
+    if (whole.local == "label" && whole.uri == inkscape_uri && drawn_layer(value))
+      return Kept("inkscape:label", value);
     if (whole.local == "version" && whole.uri == inkscape_uri && open_.size() == 1)
       if (std::string version = svg_inkscape_version(value); !version.empty())
         return Kept("inkscape:version", std::move(version));

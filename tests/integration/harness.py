@@ -29,7 +29,7 @@ VERSION = r"\A{} [0-9]+\.[0-9]+\.[0-9]+ \(commit ([0-9a-f]{{12,40}}(, modified)?
 ARTIFACTS = """print.png print.svg print.pdf preview-pattern.png preview-print.png preview-without.png preview-with.png preview-views.png
     preview-lengths.png preview-shape.png preview-area.png preview-thickness.png preview-gap.png preview-findings.png formed.ply formed.obj formed.mtl
     formed.glb uv-map.obj mold.stl report.json report.html""".split()
-ARRAY_ARTIFACTS = [*ARTIFACTS[:-2], "array.json", "array.nec", "array.ts", *ARTIFACTS[-2:]]
+ARRAY_ARTIFACTS = [*ARTIFACTS[:-2], "layers.dxf", "array.json", "array.nec", "array.ts", *ARTIFACTS[-2:]]
 
 
 PORTS = pathlib.Path(tempfile.gettempdir()) / "vacuform-test-ports"  # one locked file for each port that a test uses

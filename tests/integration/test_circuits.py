@@ -10,8 +10,10 @@ import subprocess
 import unittest
 import xml.etree.ElementTree as ElementTree
 
+import ezdxf
 import numpy
-from shapely.geometry import Polygon, box
+from shapely import affinity
+from shapely.geometry import LinearRing, Polygon, box
 from shapely.ops import nearest_points, unary_union
 
 import made_scans
@@ -242,6 +244,24 @@ class Circuits(Case):
             # The thickness that is left, as its own area says: 10 um, less where the sheet is stretched.
             area = sum(numpy.linalg.norm(numpy.cross(numpy.subtract(b, a), numpy.subtract(c, a))) for a, b, c in corners) / 2
             self.assertTrue(0.003 < 2 * volume / area < 0.0105, (name, volume, area))
+
+    def test_a_cad_program_reads_the_layers(self):
+        """As ezdxf reads them: on layers of the names of the files, what these paint, of both faces seen from one side."""
+        out, report = self.run_array(made_scans.adult(), 16, "coils.build=two_faces", "coils.gaps=4")
+        drawing = ezdxf.readfile(out / "layers.dxf")
+        self.assertEqual(drawing.header["$INSUNITS"], 4)
+        rings = collections.defaultdict(list)
+        for polyline in drawing.modelspace():
+            self.assertEqual((polyline.dxftype(), polyline.is_closed), ("POLYLINE", True))
+            rings[polyline.dxf.layer].append(LinearRing([tuple(vertex.dxf.location)[:2] for vertex in polyline.vertices]))
+        names = {path.stem for path in out.glob("print*.svg")}
+        self.assertEqual(set(rings), names)
+        self.assertLess({"print", "print-reverse"}, names)
+        for name, read in rings.items():
+            painted = unary_union(list(itertools.chain(*areas(out / f"{name}.svg").values())))
+            outer, holes = (unary_union([Polygon(ring) for ring in read if ring.is_ccw == way]) for way in (True, False))
+            with_y_up = affinity.scale(painted, 1, -1, origin=(0, 0))
+            self.assertLess(outer.difference(holes).symmetric_difference(with_y_up).area, 0.002 * painted.area, name)
 
     def test_sheets_tell_their_step_and_number_their_gaps(self):
         out, _ = self.run_array(made_scans.adult(), 16, "coils.build=two_faces", "coils.gaps=4")

@@ -11,6 +11,7 @@
 #include "worker/conductors/crossings.hpp"
 #include "worker/conductors/faces.hpp"
 #include "worker/conductors/interrupted.hpp"
+#include "worker/pattern/curve.hpp"
 #include "worker/stage/index.hpp"
 
 namespace vacuform {
@@ -18,35 +19,18 @@ namespace vacuform {
 namespace {
 
 using Eigen::Vector2d;
-using Eigen::Vector3d;
-
-// Of a capacitor's footprint, mm on the part: between the pads, along the trace, and across it.
-struct Pads {
-  double gap, length, width;
-};
-Pads pads_of(const CoilSettings& settings) {
-  switch (settings.capacitor) {
-    case CapacitorCase::c0805:
-      return {0.9, 1.0, 1.45};
-    case CapacitorCase::c1111:
-      return {1.8, 1.3, 3.0};
-    case CapacitorCase::custom:
-      break;
-  }
-  return {settings.gap_mm, settings.pad_length_mm, settings.pad_width_mm};
-}
 
 class Build {
  public:
   Build(const Drawing& drawing, const Placement& placement, const ChartedSurface& charted,
-        const Settings& settings)
+        const std::optional<BodyBelow>& body, const Settings& settings)
       : drawing_(drawing),
         placement_(placement),
         charted_(charted),
+        body_(body),
         settings_(settings),
-        pads_(pads_of(settings.coils)),
-        border_(charted.border()),
-        traces_(drawing.elements.size()),
+        layered_(drawing.layered()),
+        loop_of_(drawing.elements.size(), -1),
         placed_(drawing.elements.size(), -1) {
     for (std::size_t i = 0; i < placement.elements.size(); ++i)
       placed_[index(placement.elements[i].element)] = static_cast<int>(i);
@@ -54,10 +38,19 @@ class Build {
   }
 
   Result<ArrayBuild> run(const Context& context) {
+    if (layered_ && settings_.coils.build != CoilBuild::single)
+      return fail(Code::bad_settings,
+                  "the drawing has layers for steps of printing, which say how its loops are parted",
+                  "coils.build", "leave the setting out, or draw the loops on one layer");
     VACUFORM_TRY(found, choose_faces_and_cross(context));
+    if (prints_plates(settings_.coils) && !build_.reverse) VACUFORM_CHECK(place_on_reverse(context));
     lay_traces();
     bridge(found);
-    make_gaps();
+    cover();
+    GapLayout layout = lay_gaps(loops_, charted_.border(), body_, settings_);
+    build_.gaps = std::move(layout.gaps);
+    build_.warnings.insert(build_.warnings.end(), layout.warnings.begin(), layout.warnings.end());
+    if (settings_.print.compensate_width) widen();
     make_layers();
     return std::move(build_);
   }
@@ -70,6 +63,10 @@ class Build {
   // The crossings that need a bridge.
   Result<std::vector<Crossing>> choose_faces_and_cross(const Context& context) {
     const CoilSettings& coils = settings_.coils;
+    if (layered_) {
+      VACUFORM_CHECK(take_drawn_faces(context));
+      return std::vector<Crossing>();
+    }
     if (coils.build == CoilBuild::single) return std::vector<Crossing>();
     std::vector<Crossing> all = crossings(drawing_, placement_);
     if (coils.build == CoilBuild::bridges) return all;
@@ -80,31 +77,91 @@ class Build {
         build_.faces[e] = build_.faces[index(placement_.elements[index(leader)].element)];
     }
     if (std::find(build_.faces.begin(), build_.faces.end(), 1) == build_.faces.end()) return all;
-    VACUFORM_TRY(reverse, on_other_face(charted_, drawing_, placement_, settings_.pattern.scale, context));
-    build_.reverse = std::move(reverse);
+    VACUFORM_CHECK(place_on_reverse(context));
     const auto there = crossings_on(1, build_.faces, crossings(drawing_, *build_.reverse));
     all = crossings_on(0, build_.faces, all);
     all.insert(all.end(), there.begin(), there.end());
     return all;
   }
 
+  Result<void> place_on_reverse(const Context& context) {
+    VACUFORM_TRY(reverse, on_other_face(charted_, drawing_, placement_, settings_.pattern.scale, context));
+    build_.reverse = std::move(reverse);
+    return {};
+  }
+
+  // A loop lies on the face of its first conductor, whatever else belongs to it.
+  Result<void> take_drawn_faces(const Context& context) {
+    bool reverse = false;
+    std::size_t unnamed = 0;
+    for (std::size_t e = 0; e < drawing_.elements.size(); ++e) {
+      const std::vector<Shape>& shapes = drawing_.elements[e].shapes;
+      const auto conductor = std::find_if(shapes.begin(), shapes.end(), [](const Shape& shape) {
+        return step_of(shape) == PrintStep::conductor;
+      });
+      build_.faces[e] = conductor == shapes.end() ? 0 : drawn_face(*conductor);
+      for (const Shape& shape : shapes) {
+        reverse |= drawn_face(shape) == 1;
+        unnamed += shape.layer ? 0 : 1;
+      }
+    }
+    if (unnamed > 0)
+      build_.warnings.push_back(
+          {.code = "layer-unnamed",
+           .text =
+               std::to_string(unnamed) + (unnamed == 1 ? " shape lies" : " shapes lie") +
+               " on no layer that is named after a step of printing, and is printed with the first conductor",
+           .figure = Warning::Figure{static_cast<double>(unnamed), "shapes", 0.0}});
+    return reverse ? place_on_reverse(context) : Result<void>();
+  }
+
+  static PrintStep step_of(const Shape& shape) { return shape.layer.value_or(DrawnLayer()).step; }
+  int drawn_face(const Shape& shape) const {
+    switch (shape.layer.value_or(DrawnLayer()).face) {
+      case DrawnFace::first:
+        break;
+      case DrawnFace::reverse:
+        return 1;
+      case DrawnFace::outer:
+        return settings_.pattern.inked_face == InkedFace::outer ? 0 : 1;
+      case DrawnFace::inner:
+        return settings_.pattern.inked_face == InkedFace::inner ? 0 : 1;
+    }
+    return 0;
+  }
+  int face_of(std::size_t e, const Shape& shape) const {
+    return layered_ ? drawn_face(shape) : build_.faces[e];
+  }
+
   void lay_traces() {
     for (std::size_t e = 0; e < drawing_.elements.size(); ++e) {
       if (!is_loop(e)) continue;
-      const PlacedElement& placed = build_.placement(build_.faces[e], placement_).elements[index(placed_[e])];
+      const auto placed_on = [&](int face) -> const PlacedElement& {
+        return build_.placement(face, placement_).elements[index(placed_[e])];
+      };
+      const PlacedElement& placed = placed_on(build_.faces[e]);
       const DrawnLoop& loop = *drawing_.elements[e].loop;
       // A line is as wide on the part as it is drawn, whatever size decoupling gives its coil.
-      traces_[e] = std::make_unique<Trace>(
-          loop, placed.patch, loop.width_mm * (loop.filled ? placed.size : settings_.pattern.scale),
-          placed.size);
+      const double width = loop.width_mm * (loop.filled ? placed.size : settings_.pattern.scale);
+      loop_of_[e] = static_cast<int>(loops_.size());
+      LaidLoop& laid = loops_.emplace_back();
+      laid.element = static_cast<int>(e);
+      laid.trace = std::make_unique<Trace>(loop, placed.patch, width, placed.size);
+      laid.centre = placed.centre_rest;
+      laid.drawn = drawn_gaps(laid.trace->path(), ink_of(e));
+      if (!prints_plates(settings_.coils)) continue;
+      const PlacedElement& far = placed_on(1 - build_.faces[e]);
+      laid.far = std::make_unique<Trace>(loop, far.patch, width, far.size);
     }
   }
 
+  LaidLoop& loop_of(int element) { return loops_[index(loop_of_[index(element)])]; }
+  const Trace& trace_of(int element) const { return *loops_[index(loop_of_[index(element)])].trace; }
+
   void bridge(const std::vector<Crossing>& all) {
     const CoilSettings& coils = settings_.coils;
-    Bridges chosen =
-        choose_bridges(all, [&](int element) -> const Trace& { return *traces_[index(element)]; },
-                       {coils.patch_margin_mm, coils.bridge_overlap_mm, coils.clearance_mm});
+    Bridges chosen = choose_bridges(all, [&](int element) -> const Trace& { return trace_of(element); },
+                                    {coils.patch_margin_mm, coils.bridge_overlap_mm, coils.clearance_mm});
     build_.bridges = std::move(chosen.bridges);
     if (chosen.crowded > 0)
       build_.warnings.push_back(
@@ -113,90 +170,66 @@ class Build {
            .figure = Warning::Figure{static_cast<double>(chosen.crowded), "bridges", 0.0}});
   }
 
-  // The place along a loop that is nearest to where its cable leaves.
-  double towards_port(const Trace& trace) const {
-    const bool edge = settings_.coils.port == PortSide::edge;
-    constexpr int count = 180;
-    double best = 0, least = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < count; ++i) {
-      const double along = trace.path().length() * i / count;
-      const auto at = trace.at(along);
-      if (!at) continue;
-      double far = edge ? std::numeric_limits<double>::infinity() : -at->z();
-      if (edge)
-        for (const Vector3d& p : border_) far = std::min(far, (p - *at).squaredNorm());
-      if (far < least) least = far, best = along;
-    }
-    return best;
-  }
-
-  LoopGap gap_of(std::size_t e, const Interval& along, bool port, bool drawn) const {
-    const Trace& trace = *traces_[e];
-    LoopGap out{.coil = static_cast<int>(e),
-                .along = along,
-                .port = port,
-                .drawn = drawn,
-                .number = static_cast<int>(build_.gaps.size()) + 1};
-    const double at = along.middle();
-    out.place = trace.at(at).value_or(Vector3d::Zero());
-    const auto middle = trace.rest(at), left = trace.rest(at, 1);
-    if (!middle || !left || !((*left - *middle).norm() > 0)) return out;
-    const Vector2d centre =
-        build_.placement(build_.faces[e], placement_).elements[index(placed_[e])].centre_rest;
-    const double side = (*left - *middle).dot(centre - *middle) < 0 ? -1 : 1;
-    out.rest = *middle;
-    out.inwards = side * (*left - *middle).normalized();
-    return out;
-  }
-
-  void make_gaps() {
-    std::vector<std::vector<Interval>> blocked(drawing_.elements.size());
+  // What bridges and patches lie on.
+  void cover() {
     for (const Bridge& b : build_.bridges) {
-      blocked[index(b.over())].push_back({b.along_over() - b.reach, b.along_over() + b.reach});
-      blocked[index(b.under())].push_back({b.along_under() - b.patch, b.along_under() + b.patch});
+      loop_of(b.over()).covered.push_back({b.along_over() - b.reach, b.along_over() + b.reach});
+      loop_of(b.under()).covered.push_back({b.along_under() - b.patch, b.along_under() + b.patch});
     }
-    int lost = 0;
-    for (std::size_t e = 0; e < drawing_.elements.size(); ++e) {
-      if (!is_loop(e)) continue;
-      const LoopPath& path = traces_[e]->path();
-      const auto add = [&](const Interval& along, bool port, bool drawn) {
-        build_.gaps.push_back(gap_of(e, along, port, drawn));
-      };
-      if (std::vector<Interval> drawn = drawn_gaps(path, ink_of(e)); !drawn.empty()) {
-        const double port = towards_port(*traces_[e]);
-        const auto far = [&](const Interval& gap) {
-          return apart_on_loop(gap.middle(), port, path.length());
-        };
-        std::rotate(drawn.begin(),
-                    std::min_element(drawn.begin(), drawn.end(),
-                                     [&](const Interval& a, const Interval& b) { return far(a) < far(b); }),
-                    drawn.end());
-        for (const Interval& gap : drawn) add(gap, &gap == &drawn.front(), true);
-        continue;
-      }
-      if (settings_.coils.gaps == 0) continue;
-      const double scale = traces_[e]->scale(),
-                   half = (pads_.gap / 2 + pads_.length + settings_.coils.clearance_mm) / scale;
-      const std::vector<double> places =
-          places_for_gaps(path.length(), settings_.coils.gaps, half, towards_port(*traces_[e]), blocked[e]);
-      lost += settings_.coils.gaps - static_cast<int>(places.size());
-      for (const double at : places)
-        add({at - pads_.gap / 2 / scale, at + pads_.gap / 2 / scale}, at == places.front(), false);
-    }
-    if (lost > 0)
-      build_.warnings.push_back(
-          {.code = "gaps-left-out",
-           .text = std::to_string(lost) + " gaps have no room between the crossings of their loops",
-           .figure = Warning::Figure{static_cast<double>(lost), "gaps", 0.0}});
+    if (!layered_) return;
+    for (LaidLoop& loop : loops_) loop.covered = inked_parts(loop.trace->path(), ink_over(loop));
   }
 
+  void widen() {
+    std::vector<std::vector<double>> loads;
+    double least = std::numeric_limits<double>::infinity();
+    for (const LaidLoop& loop : loops_) {
+      loads.push_back(trace_loads(*loop.trace, settings_.circuit.ink_stretch));
+      least = std::min(least, *std::min_element(loads.back().begin(), loads.back().end()));
+    }
+    build_.widened.resize(drawing_.elements.size());
+    for (std::size_t i = 0; i < loops_.size(); ++i) {
+      const LaidLoop& loop = loops_[i];
+      std::vector<Interval> kept = loop.covered;
+      for (const LoopGap& gap : build_.gaps) {
+        if (gap.coil != loop.element) continue;
+        constexpr double beside = 0.2;
+        const double ends = gap.drawn ? beside : pads_of(settings_.coils).length / loop.trace->scale();
+        kept.push_back({gap.along.from - std::max(ends, gap.plate ? gap.plate->before : 0),
+                        gap.along.to + std::max(ends, gap.plate ? gap.plate->after : 0)});
+      }
+      build_.widened[index(loop.element)] = widened(*loop.trace, loads[i], least, kept);
+    }
+  }
+
+  static void add_ink(const Shape& shape, std::vector<Ring>& rings) {
+    const auto add = [&](const Area& area) { rings.insert(rings.end(), area.begin(), area.end()); };
+    if (shape.fill) add(fill_area(shape.curves, shape.even_odd, 0.01));
+    if (shape.stroke) add(stroke_area(shape.curves, *shape.stroke, 0.01));
+  }
+
+  // What conducts of a loop.
   Area ink_of(std::size_t e) const {
     std::vector<Ring> rings;
-    const auto add = [&](const Area& area) { rings.insert(rings.end(), area.begin(), area.end()); };
-    for (const Shape& shape : drawing_.elements[e].shapes) {
-      if (shape.fill) add(fill_area(shape.curves, shape.even_odd, 0.01));
-      if (shape.stroke) add(stroke_area(shape.curves, *shape.stroke, 0.01));
-    }
+    for (const Shape& shape : drawing_.elements[e].shapes)
+      if (step_of(shape) != PrintStep::dielectric && face_of(e, shape) == build_.faces[e])
+        add_ink(shape, rings);
+    return union_of(rings);
+  }
+
+  // What the drawing prints over the conductors of a loop.
+  Area ink_over(const LaidLoop& loop) const {
+    const int face = build_.faces[index(loop.element)];
+    Eigen::AlignedBox2d around;
+    for (const Vector2d& p : loop.trace->path().points()) around.extend(p);
+    std::vector<Ring> rings;
+    for (std::size_t i = 0; i < drawing_.elements.size(); ++i)
+      for (const Shape& shape : drawing_.elements[i].shapes) {
+        if (step_of(shape) == PrintStep::conductor || drawn_face(shape) != face) continue;
+        Eigen::AlignedBox2d box;
+        for (const Curve& curve : shape.curves) box.extend(box_of(curve));
+        if (box.intersects(around)) add_ink(shape, rings);
+      }
     return union_of(rings);
   }
 
@@ -214,26 +247,26 @@ class Build {
   void make_layers() {
     layer(PrintStep::conductor, 0);
     for (std::size_t e = 0; e < drawing_.elements.size(); ++e) {
-      const Element& drawn = drawing_.elements[e];
+      for (const Shape& shape : drawing_.elements[e].shapes)
+        layer(step_of(shape), face_of(e, shape)).elements[e].shapes.push_back(in_black(shape));
       Element& out = layer(PrintStep::conductor, build_.faces[e]).elements[e];
-      out.loop = drawn.loop;
-      if (!is_loop(e)) {
-        out.shapes = drawn.shapes;
-        continue;
-      }
-      const LoopPath& path = traces_[e]->path();
+      out.loop = drawing_.elements[e].loop;
+      if (!is_loop(e)) continue;
+      const LoopPath& path = trace_of(static_cast<int>(e)).path();
       std::vector<Interval> removed;
       for (const Bridge& b : build_.bridges)
         if (b.over() == static_cast<int>(e))
           removed.push_back({b.along_over() - b.cut, b.along_over() + b.cut});
       for (const LoopGap& gap : build_.gaps)
         if (gap.coil == static_cast<int>(e) && !gap.drawn) removed.push_back(gap.along);
-      out.shapes = removed.empty() ? drawn.shapes : interrupted(drawn.shapes, band(path, removed));
+      if (!removed.empty()) out.shapes = interrupted(out.shapes, band(path, removed));
       add_pads(e, out);
+      if (!build_.widened.empty())
+        out.shapes.insert(out.shapes.end(), build_.widened[e].added.begin(), build_.widened[e].added.end());
     }
     for (const Bridge& b : build_.bridges) {
       const int face = build_.faces[index(b.over())];
-      const Trace &over = *traces_[index(b.over())], &under = *traces_[index(b.under())];
+      const Trace &over = trace_of(b.over()), &under = trace_of(b.under());
       layer(PrintStep::dielectric, face)
           .elements[index(b.under())]
           .shapes.push_back(along_loop(under.path(), {b.along_under() - b.patch, b.along_under() + b.patch},
@@ -243,42 +276,67 @@ class Build {
           .shapes.push_back(along_loop(over.path(), {b.along_over() - b.reach, b.along_over() + b.reach},
                                        drawn_width(over.width_mm())));
     }
+    for (const LoopGap& gap : build_.gaps)
+      if (gap.plate)
+        layer(PrintStep::conductor, 1 - build_.faces[index(gap.coil)])
+            .elements[index(gap.coil)]
+            .shapes.push_back(
+                along_loop(trace_of(gap.coil).path(),
+                           {gap.along.from - gap.plate->before, gap.along.to + gap.plate->after},
+                           drawn_width(settings_.coils.plate_width_mm)));
     std::sort(build_.layers.begin(), build_.layers.end(), [](const BuiltLayer& a, const BuiltLayer& b) {
       return std::pair(a.face, a.step) < std::pair(b.face, b.step);
     });
   }
 
+  // A person tells layers apart by their colours; each has one ink.
+  Shape in_black(Shape shape) const {
+    const auto blacken = [](Colour& colour) {
+      if (colour.ink() > 0) colour = {0, 0, 0, colour.a};
+    };
+    if (layered_ && shape.fill) blacken(*shape.fill);
+    if (layered_ && shape.stroke) blacken(shape.stroke->colour);
+    return shape;
+  }
+
   // A line of the drawing is as wide on the part as it is drawn, times the scale of the drawing.
   double drawn_width(double on_part_mm) const { return on_part_mm / settings_.pattern.scale; }
 
+  // The ends of the trace at its gaps: the pads of a part, or what lies over a plate.
   void add_pads(std::size_t e, Element& out) const {
-    const LoopPath& path = traces_[e]->path();
-    const double length = pads_.length / traces_[e]->scale(),
-                 wide = drawn_width(std::max(pads_.width, traces_[e]->width_mm()));
+    const Trace& trace = trace_of(static_cast<int>(e));
+    const Pads pads = pads_of(settings_.coils);
+    const double margin = plate_margin_mm / trace.scale(), length = pads.length / trace.scale();
     for (const LoopGap& gap : build_.gaps) {
       if (gap.coil != static_cast<int>(e) || gap.drawn) continue;
-      out.shapes.push_back(along_loop(path, {gap.along.from - length, gap.along.from}, wide));
-      out.shapes.push_back(along_loop(path, {gap.along.to, gap.along.to + length}, wide));
+      const double before = gap.plate ? gap.plate->before + margin : length,
+                   after = gap.plate ? gap.plate->after + margin : length,
+                   wide = gap.plate ? settings_.coils.plate_width_mm + 2 * plate_margin_mm
+                                    : std::max(pads.width, trace.width_mm());
+      out.shapes.push_back(
+          along_loop(trace.path(), {gap.along.from - before, gap.along.from}, drawn_width(wide)));
+      out.shapes.push_back(along_loop(trace.path(), {gap.along.to, gap.along.to + after}, drawn_width(wide)));
     }
   }
 
   const Drawing& drawing_;
   const Placement& placement_;
   const ChartedSurface& charted_;
+  const std::optional<BodyBelow>& body_;
   const Settings& settings_;
-  const Pads pads_;
-  const std::vector<Vector3d> border_;          // of the chart, in space
-  std::vector<std::unique_ptr<Trace>> traces_;  // by Drawing::elements; null: no loop
-  std::vector<int> placed_;                     // the same; indices into Placement::elements, -1: none
+  const bool layered_;
+  std::vector<LaidLoop> loops_;
+  std::vector<int> loop_of_;  // by Drawing::elements, -1: none
+  std::vector<int> placed_;   // the same; indices into Placement::elements
   ArrayBuild build_;
 };
 
 }  // namespace
 
 Result<ArrayBuild> build_array(const Drawing& drawing, const Placement& placement,
-                               const ChartedSurface& reverse, const Settings& settings,
-                               const Context& context) {
-  return Build(drawing, placement, reverse, settings).run(context);
+                               const ChartedSurface& reverse, const std::optional<BodyBelow>& body,
+                               const Settings& settings, const Context& context) {
+  return Build(drawing, placement, reverse, body, settings).run(context);
 }
 
 }  // namespace vacuform

@@ -22,7 +22,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double step_mm = 0.1;  // of points along conductors
+constexpr double along_step_mm = 0.1;  // of points along conductors
 
 // Groups of what is joined.
 class Groups {
@@ -96,7 +96,7 @@ struct OnLoop {
   int bridge = -1;  // of the bridges of its face; -1: none
 };
 
-struct Loop {
+struct WalkedLoop {
   int element = 0;
   std::vector<OnLoop> points;
   std::set<int> islands;
@@ -167,7 +167,7 @@ class Check {
     const int element = placement_.elements[placed].element;
     const Patch& patch = build_.placement(build_.faces[index(element)], placement_).elements[placed].patch;
     const PlaneLocator locator(patch.triangles, patch.uv);
-    const int count = std::max(8, static_cast<int>(std::ceil(path.length() / step_mm)));
+    const int count = std::max(8, static_cast<int>(std::ceil(path.length() / along_step_mm)));
     std::vector<OnLoop> out;
     for (int i = 0; i < count; ++i) {
       OnLoop& point = out.emplace_back();
@@ -188,7 +188,7 @@ class Check {
     const int element = placement_.elements[placed].element;
     const LoopPath path(*drawing_.elements[index(element)].loop);
     const Face& face = face_of_loop(element);
-    Loop loop{element, points_of(placed, path, face), {}};
+    WalkedLoop loop{element, points_of(placed, path, face), {}};
     std::vector<OnLoop>& points = loop.points;
     const auto inked = [](const OnLoop& p) { return p.island >= 0; };
     auto first = std::find_if(points.begin(), points.end(), [&](const OnLoop& p) {
@@ -219,7 +219,7 @@ class Check {
   }
 
   // The ink of the loop ends behind a point. Where it goes on, over a capacitor or a bridge; 0: nowhere.
-  std::size_t past_break(const Loop& loop, const LoopPath& path, const Face& face, std::size_t from) {
+  std::size_t past_break(const WalkedLoop& loop, const LoopPath& path, const Face& face, std::size_t from) {
     const std::vector<OnLoop>& points = loop.points;
     const int island = points[from].island;
     if (const int bridge = points[from].bridge; bridge >= 0) {
@@ -232,8 +232,8 @@ class Check {
     while (points[to].island < 0) ++to;
     const double middle = points[from].along + path.round(points[to].along - points[from].along) / 2;
     for (const LoopGap& gap : build_.gaps)
-      if (gap.coil == loop.element &&
-          apart_on_loop(gap.along.middle(), middle, path.length()) <= gap.along.length() / 2 + step_mm) {
+      if (gap.coil == loop.element && apart_on_loop(gap.along.middle(), middle, path.length()) <=
+                                          gap.along.length() / 2 + along_step_mm) {
         groups_.join(island, points[to].island);
         return to;
       }
@@ -241,8 +241,8 @@ class Check {
   }
 
   void count_nets() {
-    std::map<int, std::vector<const Loop*>> nets;
-    for (const Loop& loop : loops_) {
+    std::map<int, std::vector<const WalkedLoop*>> nets;
+    for (const WalkedLoop& loop : loops_) {
       std::set<int> of_loop;
       for (const int island : loop.islands) of_loop.insert(groups_.of(island));
       for (const int net : of_loop) nets[net].push_back(&loop);
@@ -253,16 +253,17 @@ class Check {
       first_loop_[net] = loops.front()->element;
       add_shorts(loops);
     }
+    add_plates();
     std::sort(found_.shorts.begin(), found_.shorts.end(),
               [](const auto& x, const auto& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); });
   }
 
   // Of the loops of one net: those whose traces touch, and those that are joined by something else.
-  void add_shorts(const std::vector<const Loop*>& loops) {
+  void add_shorts(const std::vector<const WalkedLoop*>& loops) {
     if (loops.size() < 2) return;
     std::vector<Labelled> points;
     std::map<int, double> half_width;
-    for (const Loop* loop : loops) {
+    for (const WalkedLoop* loop : loops) {
       half_width[loop->element] = width_on_part(loop->element) / 2;
       for (std::size_t i = 0; i < loop->points.size(); i += 4)
         if (loop->points[i].island >= 0) points.push_back({loop->points[i].place, loop->element});
@@ -270,15 +271,32 @@ class Check {
     double widest = 0;
     for (const auto& [element, half] : half_width) widest = std::max(widest, half);
     std::set<int> paired;
-    for (const auto& [pair, near] : nearest_of_each_pair(points, 2 * widest + 4 * step_mm)) {
-      if (near.mm > half_width[pair.first] + half_width[pair.second] + 4 * step_mm) continue;
+    for (const auto& [pair, near] : nearest_of_each_pair(points, 2 * widest + 4 * along_step_mm)) {
+      if (near.mm > half_width[pair.first] + half_width[pair.second] + 4 * along_step_mm) continue;
       paired.insert({pair.first, pair.second});
       found_.shorts.push_back({pair.first, pair.second, near.at, 0});
     }
-    const Loop& first = *loops.front();
-    for (const Loop* loop : loops)
+    const WalkedLoop& first = *loops.front();
+    for (const WalkedLoop* loop : loops)
       if (!paired.contains(loop->element) && loop != &first)
         found_.shorts.push_back({first.element, loop->element, loop->points.front().place, 0});
+  }
+
+  // A plate is a conductor of its own, that must touch no loop of its face.
+  void add_plates() {
+    for (const LoopGap& gap : build_.gaps) {
+      if (!gap.plate) continue;
+      const Face& face = faces_[index(1 - build_.faces[index(gap.coil)])];
+      const int island = face.conductor.at(gap.plate->rest);
+      if (island < 0) {
+        found_.opens.push_back({gap.coil, gap.coil, gap.place, 0});
+        continue;
+      }
+      const auto [net, is_new] = first_loop_.try_emplace(groups_.of(face.first_conductor + island), gap.coil);
+      if (!is_new)
+        found_.shorts.push_back(
+            {std::min(gap.coil, net->second), std::max(gap.coil, net->second), gap.place, 0});
+    }
   }
 
   double width_on_part(int element) const {
@@ -297,7 +315,7 @@ class Check {
       for (const Ring& ring : islands.outlines()[index(i)])
         for (std::size_t k = 0; k < ring.size(); ++k) {
           const Vector2d &a = ring[k], &b = ring[(k + 1) % ring.size()];
-          const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / step_mm)));
+          const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / along_step_mm)));
           for (int j = 0; j < pieces; ++j)
             if (const auto at = locator.find(a + (b - a) * j / pieces))
               points.push_back({surface.place(*at), net});
@@ -314,7 +332,7 @@ class Check {
   const ArrayBuild& build_;
   std::array<Face, 2> faces_;
   Groups groups_{0};
-  std::vector<Loop> loops_;
+  std::vector<WalkedLoop> loops_;
   std::map<int, int> first_loop_;  // of each net
   ElectricalCheck found_;
 };

@@ -38,7 +38,7 @@ struct ElectricalCheck {
 };
 
 // `placement` is that of the first face, `surfaces` are of both; null: nothing lies there. A gap is closed by its
-// capacitor. A bridge joins what it touches outside of the dielectric. Distances are straight in space, between points
+// capacitor; the plate of a printed one is a net of its own. A bridge joins what it touches outside of the dielectric. Distances are straight in space, between points
 // .1 mm apart. O(n log n) in the ink. Deterministic. Errors: cancelled.
 Result<ElectricalCheck> check_conductors(const Drawing& drawing, const Placement& placement,
                                          const ArrayBuild& build, const std::vector<PrintedInk>& ink,

@@ -55,18 +55,18 @@ class Taken {
   std::vector<Interval> parts_;
 };
 
-}  // namespace
-
-std::vector<Interval> drawn_gaps(const LoopPath& path, const Area& ink) {
+// The parts of a path whose points are not in a set, between those that are.
+template <class In>
+std::vector<Interval> parts_outside(const LoopPath& path, const In& is_in) {
   constexpr double step = 0.1, least = 0.05;
   const int count = std::max(8, static_cast<int>(std::ceil(path.length() / step)));
   const auto along = [&](int i) { return path.length() * i / count; };
   std::vector<char> inked;
-  for (int i = 0; i < count; ++i) inked.push_back(is_within(path.at(along(i)), ink));
+  for (int i = 0; i < count; ++i) inked.push_back(is_in(path.at(along(i))));
   const auto border = [&](double in, double off) {
     for (int i = 0; i < 20; ++i) {
       const double middle = (in + off) / 2;
-      (is_within(path.at(middle), ink) ? in : off) = middle;
+      (is_in(path.at(middle)) ? in : off) = middle;
     }
     return in;
   };
@@ -79,6 +79,26 @@ std::vector<Interval> drawn_gaps(const LoopPath& path, const Area& ink) {
     if (gap.length() >= least) out.push_back(gap);
   }
   return out;
+}
+
+}  // namespace
+
+std::vector<Interval> drawn_gaps(const LoopPath& path, const Area& ink) {
+  return parts_outside(path, [&](const Eigen::Vector2d& p) { return is_within(p, ink); });
+}
+
+std::vector<Interval> inked_parts(const LoopPath& path, const Area& ink) {
+  return parts_outside(path, [&](const Eigen::Vector2d& p) { return !is_within(p, ink); });
+}
+
+int gaps_for_frequency(double length_mm, double width_mm, double frequency_mhz) {
+  constexpr double light_mm_mhz = 299792.458, mu0_nh_mm = 0.4 * M_PI, most = 16;
+  const double radius = length_mm / 2 / M_PI, omega = 2 * M_PI * frequency_mhz * 1e6;
+  // A strip has the inductance of a round wire of a quarter of its width (Grover, Inductance Calculations, 1946).
+  const double inductance_nh = mu0_nh_mm * radius * (std::log(32 * radius / width_mm) - 2);
+  const double parts = length_mm / (light_mm_mhz / frequency_mhz / 10);
+  const double total_pf = inductance_nh > 0 ? 1e12 / (omega * omega * inductance_nh * 1e-9) : least_gap_pf;
+  return static_cast<int>(std::clamp(std::ceil(std::max(parts, least_gap_pf / total_pf)), 1.0, most));
 }
 
 std::vector<double> places_for_gaps(double length, int count, double half, double port,

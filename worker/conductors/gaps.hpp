@@ -20,6 +20,14 @@ struct Interval {
 // `ink` is all ink of the element. Shorter ones than 0.05 mm do not count.
 std::vector<Interval> drawn_gaps(const LoopPath& path, const Area& ink);
 
+// The parts of the trace whose middle has ink of `ink`, in the same way; none if all of it has.
+std::vector<Interval> inked_parts(const LoopPath& path, const Area& ink);
+
+// How many gaps a loop needs: as few as leave parts of at most a tenth of a wavelength in air, and capacitors of at least
+// least_gap_pf, for the inductance of a circular strip of that length and width. At most 16, at least 1.
+int gaps_for_frequency(double length_mm, double width_mm, double frequency_mhz);
+inline constexpr double least_gap_pf = 2;
+
 // `count` places for gaps, each as far from the middle of its gap as `half` to both sides: equally spaced, the first at
 // `port` as nearly as possible. None meets the blocked intervals: where equal spaces do not allow it, a gap is moved by
 // as little as possible. The result begins with the port and goes round. Fewer than `count`: the rest has no place.

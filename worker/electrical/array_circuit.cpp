@@ -64,8 +64,10 @@ std::optional<FittedSphere> fit_sphere(const std::vector<Vector3d>& points) {
   return out;
 }
 
-ArrayCircuit array_circuit(const std::vector<LoopOnPart>& loops, const FittedSphere& body, double above_mm,
+ArrayCircuit array_circuit(const std::vector<LoopOnPart>& loops, const BodyBelow& under,
                            const CircuitSettings& settings) {
+  const FittedSphere& body = under.sphere;
+  const double above_mm = under.above_mm;
   const double mhz = settings.frequency_mhz;
   const ConductingSphere sphere{body.radius_mm, settings.conductivity};
   ArrayCircuit out{body, std::vector<LoopCircuit>(loops.size()),
@@ -78,7 +80,8 @@ ArrayCircuit array_circuit(const std::vector<LoopOnPart>& loops, const FittedSph
     on_sphere.push_back({distance, std::asin(std::min(1.0, circle.radius_mm / distance))});
     axes.push_back((circle.centre - body.centre).normalized());
     LoopCircuit& of = out.loops[on_sphere.size() - 1];
-    of.coil_ohm = settings.ink_mohm / 1000 * loop.squares;
+    of.coil_ohm = settings.ink_mohm / 1000 * loop.squares +
+                  loop.loss_tangent * angular_frequency(mhz) * loop.inductance_nh * 1e-9;
     of.most_body_ohm = half_space_resistance(circle.radius_mm, above_mm, settings.conductivity, mhz);
     of.capacitors = {capacitors(loop, 1.5 * proton_mhz_per_tesla), capacitors(loop, 3 * proton_mhz_per_tesla),
                      capacitors(loop, 7 * proton_mhz_per_tesla), capacitors(loop, mhz)};

@@ -21,17 +21,24 @@ struct FittedSphere {
 // Nothing for fewer than four points, or points of one plane.
 std::optional<FittedSphere> fit_sphere(const std::vector<Eigen::Vector3d>& points);
 
+// What the loops lie on: the sheet on the head, less its thickness and what is under it.
+struct BodyBelow {
+  FittedSphere sphere;
+  double above_mm = 0;  // of the loops over it
+};
+
 struct LoopOnPart {
   std::vector<Eigen::Vector3d> line;  // closed, mm
   double inductance_nh = 0;
   // Of the trace: the integral of the ratio of formed to flat area over its width, along it, times what stretch makes of the
   // ink (circuit.ink_stretch). An ink that only changes its shape has so many times the resistance of a printed square.
   double squares = 0;
-  int gaps = 1;  // that share the capacitance, at least 1
+  int gaps = 1;             // that share the capacitance, at least 1
+  double loss_tangent = 0;  // of the capacitors in series
 };
 
 struct LoopCircuit {
-  double coil_ohm = 0;              // of its trace
+  double coil_ohm = 0;              // of its trace and its capacitors
   double body_ohm = 0;              // of the body as a sphere; 0: no body
   double most_body_ohm = 0;         // of a half space at the loop's distance: a bound
   double unloaded = 0, loaded = 0;  // qualities
@@ -51,9 +58,8 @@ struct ArrayCircuit {
   CouplingMatrix noise;  // correlation of the noise of every two loops, with their own losses
 };
 
-// At circuit.frequency_mhz, if not said otherwise. `above_mm`: of the loops over the body. Deterministic; the correlations
-// take O(n^2). The body is a sphere: correlations of neighbours on a head are good to some .05.
-ArrayCircuit array_circuit(const std::vector<LoopOnPart>& loops, const FittedSphere& body, double above_mm,
+// At circuit.frequency_mhz, if not said otherwise. Deterministic; the correlations take O(n^2). The body is a sphere: correlations of neighbours on a head are good to some .05.
+ArrayCircuit array_circuit(const std::vector<LoopOnPart>& loops, const BodyBelow& body,
                            const CircuitSettings& settings);
 
 }  // namespace vacuform

@@ -32,9 +32,22 @@ std::vector<Soldered> soldered(const Finished& job, std::size_t i) {
   std::vector<Soldered> out;
   for (const LoopGap* const gap : loop_gaps(job, i)) {
     const double wanted = gap->port ? loop.matching_pf : loop.series_pf * others;
-    out.push_back({gap, wanted, wanted > 0 ? standard_value(wanted) : StandardValue{}});
+    if (gap->plate)
+      out.push_back(
+          {gap, wanted, {gap->plate->pf, gap->plate->pf > 0 ? std::sqrt(wanted / gap->plate->pf) - 1 : 0}});
+    else
+      out.push_back({gap, wanted, wanted > 0 ? standard_value(wanted) : StandardValue{}});
   }
   return out;
+}
+
+// On the part. The field at the edges is in `pf` and not in `between_pf`.
+Json plate_json(const Plate& plate, const Settings& settings) {
+  return {{"pf", rounded(plate.pf, 2)},
+          {"between_pf", rounded(plate.between_pf, 2)},
+          {"tolerance", settings.sheet.thickness_tolerance},
+          {"width_mm", rounded(settings.coils.plate_width_mm, 2)},
+          {"thickness_mm", rounded(plate.thickness_mm, 3)}};
 }
 
 // A field may hold commas and quotes.
@@ -135,7 +148,8 @@ Json electrical_json(const Finished& job) {
                       {"port", each.gap->port},
                       {"drawn", each.gap->drawn},
                       {"wanted_pf", rounded(each.wanted_pf, 2)},
-                      {"standard_pf", rounded(each.standard.pf, 2)},
+                      {"standard_pf", each.gap->plate ? Json() : Json(rounded(each.standard.pf, 2))},
+                      {"plate", each.gap->plate ? plate_json(*each.gap->plate, job.settings) : Json()},
                       {"place_mm", array(each.gap->place, 1)}});
     loops.push_back({{"id", loop_id(job, i)},
                      {"inductance_nh", rounded(of.loops[i].inductance_nh, 2)},
@@ -150,7 +164,10 @@ Json electrical_json(const Finished& job) {
                      {"capacitors", std::move(capacitors)},
                      {"gaps", std::move(gaps)}});
   }
+  // From about here on the wave in the head is as short as the head.
+  constexpr double quasi_static_mhz = 200;
   return {{"frequency_mhz", rounded(job.settings.circuit.frequency_mhz, 3)},
+          {"order_of_magnitude", job.settings.circuit.frequency_mhz > quasi_static_mhz},
           {"body",
            {{"centre_mm", array(of.array.body.centre, 1)},
             {"radius_mm", rounded(of.array.body.radius_mm, 2)},
@@ -161,6 +178,29 @@ Json electrical_json(const Finished& job) {
           {"loops", std::move(loops)}};
 }
 
+std::optional<Warning> small_capacitors(const Finished& job) {
+  double least = least_gap_pf;
+  std::string loops;
+  Warning out{.code = "capacitors-small", .text = {}};
+  for (std::size_t i = 0; i < job.figures.electrical->loops.size(); ++i)
+    for (const Soldered& each : soldered(job, i)) {
+      if (each.gap->port || each.gap->plate || !(each.wanted_pf > 0) || each.wanted_pf >= least_gap_pf)
+        continue;
+      least = std::min(least, each.wanted_pf);
+      const Eigen::Vector3d& at = each.gap->place;
+      if (out.marks.size() < Warning::most_marks) out.marks.push_back({{at.x(), at.y(), at.z()}, 5});
+      const std::string id = loop_id(job, i);
+      if (loops.ends_with(id)) continue;
+      loops += (loops.empty() ? "" : ", ") + id;
+    }
+  if (loops.empty()) return std::nullopt;
+  out.text =
+      "capacitors of less than 2 pF tune loops at " + decimal(job.settings.circuit.frequency_mhz, 2) + " MHz";
+  out.place = loops;
+  out.figure = Warning::Figure{least, "pF", least_gap_pf};
+  return out;
+}
+
 std::string coils_csv(const Finished& job) {
   std::string out = "number,loop,gap,kind,wanted_pF,value_pF,detuning_percent,x_mm,y_mm,z_mm\r\n";
   for (std::size_t i = 0; i < job.figures.electrical->loops.size(); ++i) {
@@ -168,7 +208,9 @@ std::string coils_csv(const Finished& job) {
     for (const Soldered& each : soldered(job, i)) {
       const bool port = each.gap->port;
       out += std::to_string(each.gap->number) + ',' + field(loop_id(job, i)) + ',' + std::to_string(++gap) +
-             (port ? ",port" : ",capacitor");
+             (port              ? ",port"
+              : each.gap->plate ? ",printed"
+                                : ",capacitor");
       add_number(out, each.wanted_pf, 2, ',');
       add_number(out, each.standard.pf, 2, ',');
       if (port)

@@ -1,8 +1,9 @@
-// The files that take an array from the print to the bench and into other programs. Internal to worker/inspection. All need
-// job.figures.electrical.
+// The files that take an array from the print to the bench and into other programs. Internal to worker/inspection and
+// worker/pipeline. All need job.figures.electrical.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
 #include "worker/inspection/inspection.hpp"
@@ -11,6 +12,9 @@ namespace vacuform {
 
 // Frequency, body and loops, as in report.json.
 nlohmann::ordered_json electrical_json(const Finished& job);
+
+// "capacitors-small": capacitors to solder below least_gap_pf (gaps.hpp), which stray capacitance detunes.
+std::optional<Warning> small_capacitors(const Finished& job);
 
 // coils.csv: a row for each gap, with the capacitor to solder and its place; fields by commas, as RFC 4180 has them.
 std::string coils_csv(const Finished& job);

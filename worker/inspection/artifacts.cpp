@@ -7,6 +7,7 @@
 #include "worker/inspection/findings_preview.hpp"
 #include "worker/inspection/formed_glb.hpp"
 #include "worker/inspection/inspection.hpp"
+#include "worker/inspection/layers_dxf.hpp"
 #include "worker/inspection/mesh_files.hpp"
 #include "worker/inspection/mold_marks.hpp"
 #include "worker/inspection/picture_png.hpp"
@@ -27,6 +28,7 @@ bool makes(const Finished& job, const ArtifactKind& kind) {
   if (kind.name == "preview-temperature.png") return job.heat.source != HeatSource::uniform;
   for (const Layer& layer : job.print.layers)
     if (kind.name.starts_with(layer.name + ".")) return true;
+  if (kind.name == "layers.dxf") return job.build != nullptr;
   for (const char* name : {"array.json", "array.nec", "array.ts"})
     if (kind.name == name) return job.figures.electrical.has_value();
   for (const char* name : {"coils.csv", "array-marie.msh", "array-marie.json", "array.stl"})
@@ -68,6 +70,7 @@ Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& cont
     const std::string text = make(job);
     files.push_back({name, {text.begin(), text.end()}});
   };
+  add("layers.dxf", layers_dxf);
   add("coils.csv", coils_csv);
   add("array.json", array_json);
   add("array.nec", array_nec);

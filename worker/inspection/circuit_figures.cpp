@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/electrical/sheet_dielectric.hpp"
 #include "worker/inspection/loop_figures.hpp"
 #include "worker/pattern/drawn_loop.hpp"
 #include "worker/stage/index.hpp"
@@ -15,17 +16,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// Between the rows, and beyond them the nearest.
-double at_stretch(const std::vector<std::array<double, 2>>& rows, double stretch) {
-  if (rows.empty()) return 1;
-  const auto after =
-      std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row[0] >= stretch; });
-  if (after == rows.begin()) return rows.front()[1];
-  if (after == rows.end()) return rows.back()[1];
-  const auto &a = *(after - 1), &b = *after;
-  return a[1] + (stretch - a[0]) / (b[0] - a[0]) * (b[1] - a[1]);
-}
-
 class Loops {
  public:
   explicit Loops(const Finished& job)
@@ -37,6 +27,9 @@ class Loops {
     const auto gaps = std::count_if(job_.build->gaps.begin(), job_.build->gaps.end(),
                                     [&](const LoopGap& gap) { return gap.coil == element; });
     out.gaps = std::max(1, static_cast<int>(gaps));
+    if (std::any_of(job_.build->gaps.begin(), job_.build->gaps.end(),
+                    [&](const LoopGap& gap) { return gap.coil == element && gap.plate; }))
+      out.loss_tangent = sheet_dielectric(job_.settings.sheet).loss_tangent;
     constexpr double piece_mm = 1;
     std::vector<Vector2d> flat = densified(loop_line(loop, 0).points, piece_mm, true);
     if (signed_area(flat) < 0) std::reverse(flat.begin(), flat.end());
@@ -53,9 +46,9 @@ class Loops {
       if (!(length > 0)) continue;
       const double area =
           job_.settings.sheet.thickness_mm / job_.sheet.element_thickness[index(triangles[i])];
-      out.squares +=
-          area * formed / width_mm * at_stretch(job_.settings.circuit.ink_stretch, formed / length);
+      out.squares += area * formed / width_mm * ink_ratio(job_.settings.circuit.ink_stretch, formed / length);
     }
+    if (!job_.build->widened.empty()) out.squares *= job_.build->widened[index(element)].resistance;
     return out;
   }
 
@@ -65,24 +58,24 @@ class Loops {
   PlaneLocator locator_;
 };
 
-// The sheet where it lies on the head, as a sphere, and how far its ink is above the body.
-std::optional<std::pair<FittedSphere, double>> body_of(const Finished& job) {
+}  // namespace
+
+std::optional<BodyBelow> body_below(const FormedSheet& sheet, const InkedSurface& surface,
+                                    const Flattening& flattening, const Settings& settings) {
   std::vector<Vector3d> points;
   double thickness = 0;
-  for (const int t : job.flattening.triangles) {
-    for (const int v : job.sheet.triangles[t]) points.push_back(job.surface.inked()[v]);
-    thickness += job.sheet.element_thickness[t] / static_cast<double>(job.flattening.triangles.size());
+  for (const int t : flattening.triangles) {
+    for (const int v : sheet.triangles[t]) points.push_back(surface.inked()[v]);
+    thickness += sheet.element_thickness[t] / static_cast<double>(flattening.triangles.size());
   }
   auto sphere = fit_sphere(points);
   if (!sphere) return std::nullopt;
-  const bool outside = job.settings.pattern.inked_face == InkedFace::outer;
-  const double above = std::max(0.1, (outside ? thickness : 0) + job.settings.scan.clearance_mm);
+  const bool outside = settings.pattern.inked_face == InkedFace::outer;
+  const double above = std::max(0.1, (outside ? thickness : 0) + settings.scan.clearance_mm);
   sphere->radius_mm -= above;
   if (!(sphere->radius_mm > 1)) return std::nullopt;
-  return std::pair(*sphere, above);
+  return BodyBelow{*sphere, above};
 }
-
-}  // namespace
 
 std::optional<CircuitFigures> circuit_figures(const Finished& job, const VectorPrint& vectors) {
   if (!job.figures.measured || !job.build) return std::nullopt;
@@ -103,10 +96,10 @@ std::optional<CircuitFigures> circuit_figures(const Finished& job, const VectorP
       out.coils.push_back(static_cast<int>(c));
     }
   }
-  const auto body = body_of(job);
+  const auto body = body_below(job.sheet, job.surface, job.flattening, job.settings);
   if (out.loops.empty() || !body) return std::nullopt;
-  out.above_mm = body->second;
-  out.array = array_circuit(out.loops, body->first, body->second, job.settings.circuit);
+  out.above_mm = body->above_mm;
+  out.array = array_circuit(out.loops, *body, job.settings.circuit);
   return out;
 }
 

@@ -41,6 +41,9 @@ Json circuits_json(const Finished& job) {
                         {"place_mm", array(gap.place, 1)}});
     const InkedFace face = job.settings.pattern.inked_face;
     coils.push_back({{"id", id(placed.element)},
+                     {"widest", job.build->widened.empty()
+                                    ? Json()
+                                    : Json(rounded(job.build->widened[index(placed.element)].widest, 2))},
                      {"face", name(job.build->faces[index(placed.element)] == 0 ? face : other_face(face))},
                      {"gaps", std::move(gaps)}});
   }

@@ -60,7 +60,7 @@ class Solids {
             painted.push_back(std::move(ring));
       if (painted.empty()) continue;
       add_solid(element.id + (bridges ? "-bridges" : ""), union_of(painted), layer,
-                bridges ? dielectric.at(key(layer)) : std::vector<Ring>());
+                bridges && dielectric.contains(key(layer)) ? dielectric.at(key(layer)) : std::vector<Ring>());
     }
   }
 

@@ -53,19 +53,27 @@ std::string capacitors_table(const ReportJson& electrical) {
     for (const ReportJson& gap : loop["gaps"]) {
       const ReportJson& place = gap["place_mm"];
       rows.push_back({number_text(gap["number"], 0), text_of(loop["id"]),
-                      gap["port"] == true ? "port" : "capacitor", number_text(gap["wanted_pf"], 2),
-                      number_text(gap["standard_pf"], 1), number_text(place[0], 1), number_text(place[1], 1),
-                      number_text(place[2], 1)});
+                      gap["port"] == true        ? "port"
+                      : gap["plate"].is_object() ? "printed"
+                                                 : "capacitor",
+                      number_text(gap["wanted_pf"], 2),
+                      gap["plate"].is_object() ? number_text(gap["plate"]["pf"], 1) + " ± " +
+                                                     number_text(gap["plate"]["pf"].get<double>() *
+                                                                     gap["plate"]["tolerance"].get<double>(),
+                                                                 1)
+                                               : number_text(gap["standard_pf"], 1),
+                      number_text(place[0], 1), number_text(place[1], 1), number_text(place[2], 1)});
     }
   if (rows.empty()) return "";
   return html::table(
-      "Capacitors to start from: those of a port match it, all others tune the loop. The numbers are printed "
-      "beside the gaps",
+      "Capacitors to start from: those of a port match it, all others tune the loop; those of a printed one "
+      "have the "
+      "tolerance of the sheet's thickness. The numbers are printed beside the gaps",
       {{"Number"},
        {"Loop"},
        {"Gap"},
        {"Wanted, pF", true},
-       {"E24, pF", true},
+       {"E24 or printed, pF", true},
        {"x, mm", true},
        {"y, mm", true},
        {"z, mm", true}},
@@ -94,8 +102,10 @@ std::string circuits_text(const ReportJson& report) {
     return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
   };
   std::size_t gaps = 0, reverse = 0;
+  double widest = 1;
   for (const ReportJson& coil : circuits["coils"]) {
     gaps += coil["gaps"].size();
+    if (coil["widest"].is_number()) widest = std::max(widest, coil["widest"].get<double>());
     reverse += coil["face"] != circuits["coils"].front()["face"];
   }
   std::string out = counted(circuits["loops"].get<std::size_t>(), "loop") + ": " +
@@ -104,6 +114,7 @@ std::string circuits_text(const ReportJson& report) {
                     counted(circuits["opens"].size(), "open") + "; " +
                     counted(circuits["bridges"].size(), "bridge") + ", " + counted(gaps, "gap");
   if (reverse > 0) out += "; on two faces";
+  if (widest > 1) out += "; traces up to " + decimal(widest, 1) + " times as wide as drawn";
   return out + ".";
 }
 
@@ -113,6 +124,11 @@ std::string circuits_section(const ReportJson& report) {
   std::string out = "<h2>Circuits</h2>\n<p>" + escaped(checked) + "</p>\n" + couplings_picture(report);
   const ReportJson& electrical = at(report, {"circuits", "electrical"});
   if (!electrical.is_object()) return out;
+  if (electrical["order_of_magnitude"] == true)
+    out +=
+        "<p><strong>The figures of losses, noise and matching are quasi-static. Above 200 MHz they give no "
+        "more than the order "
+        "of magnitude.</strong></p>\n";
   return out + current_text(electrical) + loops_table(electrical) + capacitors_table(electrical);
 }
 

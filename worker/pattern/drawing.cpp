@@ -49,6 +49,10 @@ class Reader {
     document.find_node([&](const pugi::xml_node& node) {
       index(node);
       if (entities) look_for_entities(node);
+      if (is_group(local_name(node)) || local_name(node) == "use") {
+        const auto layer = layer_of(node);
+        layered_ |= layer && *layer != DrawnLayer();
+      }
       return false;
     });
   }
@@ -72,6 +76,12 @@ class Reader {
          {},
          {},
          "To keep its lines exact, " + refusal_.fix() + "."});
+    if (layered_)
+      warnings.push_back({"layers-as-one",
+                          "The layers of the drawing are printed as one, because it is printed as a picture.",
+                          {},
+                          {},
+                          "To keep its layers, " + refusal_.fix() + "."});
     return std::nullopt;
   }
 
@@ -83,7 +93,8 @@ class Reader {
     Vector2d viewport{0, 0};  // what percentages are taken of, user units
     double opacity = 1;
     int depth = 0;
-    int node = -1;        // of the file, in which it stands
+    int node = -1;  // of the file, in which it stands
+    std::optional<DrawnLayer> layer = {};
     bool copied = false;  // by a <use>, which names what it copies
   };
 
@@ -185,6 +196,8 @@ class Reader {
     under.style = sheets_.of(node, parent.style, work_);
     if (!enter(node, under)) return;
 
+    if (!shape)
+      if (const auto layer = layer_of(node)) under.layer = layer;
     const std::size_t before = paints_;
     if (std::string id = parent.copied ? std::string() : id_of(node, use); !shape || !id.empty()) {
       nodes_.push_back({std::move(id), parent.node, shape, parent.copied ? std::nullopt : place_of(node)});
@@ -239,6 +252,11 @@ class Reader {
     if (!(out.u.norm() > 0.5)) return std::nullopt;
     out.u.normalize();
     return out;
+  }
+
+  static std::optional<DrawnLayer> layer_of(const pugi::xml_node& node) {
+    const auto layer = drawn_layer(node.attribute("inkscape:label").value());
+    return layer ? layer : drawn_layer(node.attribute("id").value());
   }
 
   // A copy without an id has the id of what it copies.
@@ -357,6 +375,7 @@ class Reader {
     paints_ += (shape.fill ? 1u : 0u) + (shape.stroke ? 1u : 0u);
     place(shape, under);
     if (refused()) return;
+    shape.layer = under.layer;
     const bool stroke_first = style[Property::paint_order].starts_with("stroke") ||
                               style[Property::paint_order].starts_with("markers stroke");
     if (shape.fill && shape.stroke && stroke_first) {
@@ -413,10 +432,18 @@ class Reader {
   std::vector<PaintedShape> painted_;
   std::size_t work_ = 0, segments_ = 0, paints_ = 0;
   double length_ = 0, crossings_ = 0;
+  bool layered_ = false;
   Refusal refusal_;
 };
 
 }  // namespace
+
+bool Drawing::layered() const {
+  return std::any_of(elements.begin(), elements.end(), [](const Element& element) {
+    return std::any_of(element.shapes.begin(), element.shapes.end(),
+                       [](const Shape& shape) { return shape.layer && *shape.layer != DrawnLayer(); });
+  });
+}
 
 std::optional<Drawing> read_drawing(const std::string& svg, const Vector2d& size_mm,
                                     std::vector<Warning>& warnings) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "api/print_step.hpp"
 #include "worker/pattern/pattern.hpp"
 #include "worker/stage/context.hpp"
 
@@ -49,6 +50,7 @@ struct Shape {
   std::optional<Colour> fill;
   bool even_odd = false;
   std::optional<Stroke> stroke;
+  std::optional<DrawnLayer> layer = {};  // of the drawing, if it is named after a step of printing
 };
 
 // The loop of a coil: the middle of its trace, closed across its gaps.
@@ -79,14 +81,19 @@ struct Drawing {
   Eigen::Vector2d size_mm{0, 0};
   std::vector<Element> elements;  // in the order of painting
   double loose_ink_mm2 = 0;       // in no element; where shapes overlap, of each
+
+  // Whether it has layers for other steps of printing than the first, or for another face.
+  bool layered() const;
 };
 
 // Reads the SVG of the pattern (pattern.svg()), at the size of the pattern: basic shapes, paths, use, symbols, groups,
 // inner pages, transforms, presentation attributes, style attributes and style sheets of simple selectors. Keeps what
 // extends beyond the page; the printing code cuts it. Returns nothing if the drawing is not an SVG, or if it contains
 // what these vectors cannot represent (text, pictures, gradients, filters, clips, masks, markers, blended groups, more
-// than 200,000 segments). `warnings` then says what, and how to fix it ("pattern-as-picture"). A <use> without an id has
-// the id of its target. Deterministic; takes about a second at most for any input.
+// than 200,000 segments). `warnings` then says what, and how to fix it ("pattern-as-picture", and
+// "layers-as-one" if it has layers for several steps of printing). A <use> without an id has the id of its target. A group is
+// a layer if its inkscape:label, or else its id, is one of drawn_layer() (print_step.hpp); the innermost counts.
+// Deterministic; takes about a second at most for any input.
 std::optional<Drawing> read_drawing(const Pattern& pattern, std::vector<Warning>& warnings);
 // The same of the text of an SVG whose page has that size. Its root has a viewBox, or a size in user units.
 std::optional<Drawing> read_drawing(const std::string& svg, const Eigen::Vector2d& size_mm,

@@ -10,6 +10,7 @@
 #include "api/base/decimal.hpp"
 #include "api/base/markup.hpp"
 #include "api/base/utf8.hpp"
+#include "api/print_step.hpp"
 #include "worker/pattern/curve.hpp"
 #include "worker/pattern/dxf_file.hpp"
 #include "worker/pattern/svg_path.hpp"
@@ -38,6 +39,7 @@ struct DxfLine {
 };
 struct DxfFigure {
   std::string name;
+  std::string step;  // the name of its layer, if that is of drawn_layer()
   std::vector<DxfLine> lines;
 };
 
@@ -352,14 +354,18 @@ class DxfReader {
       box_.extend(box_of(curve));
       DxfLine line{std::move(curve), {}, place.weight_mm, filled};
       if (width) line.drawn_width = *width * std::sqrt(std::abs(place.to_model.linear().determinant()));
-      // Layers in the order in which they are first drawn on; each place of a block is a figure of its own.
-      const std::string key =
-          place.figure.empty() ? "layer " + std::string(place.layer) : "block " + place.figure;
+      // Layers in the order in which they are first drawn on; each place of a block is a figure of its own, on each step
+      // of printing.
+      const std::string step = drawn_layer(place.layer) ? std::string(place.layer) : std::string();
+      const std::string key = place.figure.empty()
+                                  ? "layer " + std::string(place.layer)
+                                  : std::string("block ").append(place.figure).append("\n").append(step);
       const auto [at, made] = index_.emplace(key, figures_.size());
       if (made)
         figures_.push_back({key,
                             {.name = place.figure.empty() ? std::string(place.layer)
                                                           : place.figure.substr(place.figure.find(' ') + 1),
+                             .step = step,
                              .lines = {}}});
       figures_[at->second].second.lines.push_back(std::move(line));
     }
@@ -520,15 +526,20 @@ class DxfReader {
   void write(double scale) {
     std::string& svg = out_.text;
     const auto number = [](double value) { return short_decimal(value, 12); };
-    svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + number(size_mm_.x()) + "mm\" height=\"" +
-          number(size_mm_.y()) + "mm\" viewBox=\"0 0 " + number(size_mm_.x()) + " " + number(size_mm_.y()) +
-          "\" fill=\"none\" stroke=\"#000\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n";
+    svg =
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" "
+        "xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" width=\"" +
+        number(size_mm_.x()) + "mm\" height=\"" + number(size_mm_.y()) + "mm\" viewBox=\"0 0 " +
+        number(size_mm_.x()) + " " + number(size_mm_.y()) +
+        "\" fill=\"none\" stroke=\"#000\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n";
     const auto point = [&](const Vector2d& p) {
       return number(margin_mm_ + scale * (p.x() - box_.min().x())) + " " +
              number(margin_mm_ + scale * (box_.max().y() - p.y()));
     };
     for (const auto& [key, figure] : figures_) {
-      svg += "<g id=\"" + escaped(plain_name(figure.name)) + "\">\n";
+      svg += "<g id=\"" + escaped(plain_name(figure.name)) + "\"";
+      if (!figure.step.empty()) svg += " inkscape:label=\"" + escaped(figure.step) + "\"";
+      svg += ">\n";
       for (const DxfLine& line : figure.lines) {
         const auto& p = line.curve.points;
         svg += "<path d=\"M" + point(p[0]);

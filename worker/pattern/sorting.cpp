@@ -226,31 +226,45 @@ class Sorting {
   const Shape& shape(int i) const { return pieces_[i].shape; }
   bool inked(int i) const { return filled_[i] || stroked_[i]; }
 
+  // Lines with two ends, and the pieces that they are of.
+  struct OpenLines {
+    std::vector<LoopLine> lines;
+    std::vector<int> pieces;
+    void add(LoopLine line, int piece) {
+      lines.push_back(std::move(line));
+      pieces.push_back(piece);
+    }
+  };
+
+  // Of conductors. Those of different faces are no loop together.
   void find_loops() {
-    std::vector<LoopLine> open;
-    std::vector<int> of_line;
+    std::map<DrawnFace, OpenLines> open;
     for (int i = 0; i < count(); ++i) {
       const Shape& s = shape(i);
+      const DrawnLayer layer = s.layer.value_or(DrawnLayer());
+      if (layer.step != PrintStep::conductor) continue;
       if (filled_[i]) {
-        find_in_area(i, open, of_line);
+        find_in_area(i, open[layer.face]);
       } else if (stroked_[i]) {
         for (const Curve& curve : s.curves) {
           LoopLine line = loop_line(curve, s.stroke->width_mm);
-          if (!line.closed) {
-            open.push_back(std::move(line));
-            of_line.push_back(i);
-          } else if (auto loop = closed_loop(line)) {
+          if (!line.closed)
+            open[layer.face].add(std::move(line), i);
+          else if (auto loop = closed_loop(line))
             add_loop(std::move(*loop), {i});
-          }
         }
       }
     }
-    for (GappedLoop& found : gapped_loops(open)) {
+    for (const auto& [face, lines] : open) close_gaps(lines);
+  }
+
+  void close_gaps(const OpenLines& open) {
+    for (GappedLoop& found : gapped_loops(open.lines)) {
       std::vector<int> of_loop;
       char filled = 0;
       for (const std::size_t line : found.lines) {
-        of_loop.push_back(of_line[line]);
-        filled |= filled_[of_line[line]];
+        of_loop.push_back(open.pieces[line]);
+        filled |= filled_[open.pieces[line]];
       }
       std::sort(of_loop.begin(), of_loop.end());
       of_loop.erase(std::unique(of_loop.begin(), of_loop.end()), of_loop.end());
@@ -259,7 +273,7 @@ class Sorting {
     }
   }
 
-  void find_in_area(int i, std::vector<LoopLine>& open, std::vector<int>& of_line) {
+  void find_in_area(int i, OpenLines& open) {
     const Shape& s = shape(i);
     Area area = fill_area(s.curves, s.even_odd, fine_mm);
     if (stroked_[i]) {
@@ -268,11 +282,7 @@ class Sorting {
       area = union_of(area);
     }
     if (auto ring = filled_ring(area)) return add_loop(std::move(*ring), {i});
-    if (auto band = filled_band(area)) {
-      open.push_back(std::move(*band));
-      of_line.push_back(i);
-      return;
-    }
+    if (auto band = filled_band(area)) return open.add(std::move(*band), i);
     // A disc, and a white one on it.
     if (area.size() != 1) return;
     for (auto k = std::upper_bound(whites_.begin(), whites_.end(), i); k != whites_.end(); ++k) {

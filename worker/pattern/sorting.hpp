@@ -1,7 +1,7 @@
 // Sorts what is painted into elements: each coil with its marks, figures of their own, and ink in no element.
 //
-// A *coil* is a conductor that is closed or nearly (drawn_loop.hpp), wherever it stands in the file; ids and groups name
-// it. Loops that cross or lie in each other are coils of their own. A loop of less than 4 mm radius within or on a coil
+// A *coil* is a conductor that is closed or nearly (drawn_loop.hpp), wherever it stands in the file, but on one face; ids and
+// groups name it. What is on layers of other steps of printing is no coil. Loops that cross or lie in each other are coils of their own. A loop of less than 4 mm radius within or on a coil
 // four times as large, and one that lies on the trace of another, is a mark.
 //
 // A *mark* is a piece that belongs to a coil: it touches the coil or lies in it and reaches little farther, or a group

@@ -16,22 +16,31 @@ namespace vacuform {
 
 namespace {
 
-Result<void> build_loops(LaidPattern& laid, const ChartedSurface& reverse, const Settings& settings,
+Result<void> build_loops(LaidPattern& laid, const ChartedSurface& reverse,
+                         const std::optional<BodyBelow>& body, const Settings& settings,
                          const Context& context) {
-  const bool asked = settings.coils.build != CoilBuild::single || settings.coils.gaps > 0;
+  const bool asked = settings.coils.build != CoilBuild::single || settings.coils.gaps > 0 ||
+                     settings.coils.gap_rule != GapRule::count || settings.print.compensate_width;
   const bool loops =
       laid.lines && std::any_of(laid.placement.elements.begin(), laid.placement.elements.end(),
                                 [&](const PlacedElement& placed) {
                                   return laid.lines->elements[index(placed.element)].loop.has_value();
                                 });
+  const bool layered = laid.lines && laid.lines->layered();
   if (asked && !loops)
     return fail(Code::unusable_pattern,
                 "there are no loops to build: only coils that are drawn as lines are built",
-                settings.coils.gaps > 0 ? "coils.gaps" : "coils.build",
+                settings.coils.gaps > 0                     ? "coils.gaps"
+                : settings.coils.gap_rule != GapRule::count ? "coils.gap_rule"
+                : settings.coils.build != CoilBuild::single ? "coils.build"
+                                                            : "print.compensate_width",
                 "give a vector drawing of coils that are placed one by one, or leave the setting out");
-  if (!loops) return {};
-  VACUFORM_TRY(build, build_array(*laid.lines, laid.placement, reverse, settings, context));
+  if (!loops && !layered) return {};
+  VACUFORM_TRY(build, build_array(*laid.lines, laid.placement, reverse, body, settings, context));
   laid.warnings.insert(laid.warnings.end(), build.warnings.begin(), build.warnings.end());
+  // What measures the loops takes them as wide as they are printed.
+  for (std::size_t e = 0; e < build.widened.size(); ++e)
+    if (auto& loop = laid.lines->elements[e].loop) loop->width_mm *= build.widened[e].mean;
   laid.build = std::move(build);
   return {};
 }
@@ -91,8 +100,8 @@ Result<std::vector<Layer>> layers_of_build(const LaidPattern& laid, const Settin
 }  // namespace
 
 Result<LaidPattern> lay_pattern(Pattern pattern, const Inputs& inputs, const ChartedSurface& charted,
-                                const ChartedSurface& reverse, const std::vector<Edge>& cuts,
-                                const Context& context) {
+                                const ChartedSurface& reverse, const std::optional<BodyBelow>& body,
+                                const std::vector<Edge>& cuts, const Context& context) {
   const Settings& s = inputs.settings;
   LaidPattern laid{.pattern = std::move(pattern)};
   laid.lines = read_drawing(laid.pattern, laid.warnings);
@@ -109,7 +118,7 @@ Result<LaidPattern> lay_pattern(Pattern pattern, const Inputs& inputs, const Cha
     if (auto coupled = coupling_warning(pairs, true)) laid.warnings.push_back(*std::move(coupled));
   }
   laid.placement = std::move(placement);
-  VACUFORM_CHECK(build_loops(laid, reverse, s, decoupling.context().silent()));
+  VACUFORM_CHECK(build_loops(laid, reverse, body, s, decoupling.context().silent()));
   VACUFORM_TRY(alignment, align_flat(charted, s.pattern));
   laid.alignment = alignment;
   return laid;

@@ -19,7 +19,7 @@ struct LaidPattern {
   std::optional<Drawing> lines = {};   // of a vector drawing
   std::optional<InkParts> parts = {};  // of a picture whose parts are placed one by one
   Placement placement = {};
-  std::optional<ArrayBuild> build = {};  // of a vector drawing with loops
+  std::optional<ArrayBuild> build = {};  // of a vector drawing with loops or layers
   Alignment alignment = {};              // on the flat sheet, as drawn
   std::vector<Warning> warnings = {};    // of the drawing and of the placement
 
@@ -27,11 +27,12 @@ struct LaidPattern {
   const Drawing* placed() const { return lines ? &*lines : parts ? &parts->drawing() : nullptr; }
 };
 
-// The pattern of the inputs, as it was read. `reverse` is the other face, `cuts` are those of the head. Errors: those of the
+// The pattern of the inputs, as it was read. `reverse` is the other face, `body` loads the loops, `cuts` are those of the
+// head. Errors: those of the
 // stages; unusable_pattern where settings.coils asks for a build and there are no loops to build.
 Result<LaidPattern> lay_pattern(Pattern pattern, const Inputs& inputs, const ChartedSurface& charted,
-                                const ChartedSurface& reverse, const std::vector<Edge>& cuts,
-                                const Context& context);
+                                const ChartedSurface& reverse, const std::optional<BodyBelow>& body,
+                                const std::vector<Edge>& cuts, const Context& context);
 
 // The colours of a scan as the pattern. It has the coordinates of the sheet, and nothing is bent. Errors: cancelled.
 Result<LaidPattern> lay_colours(const SheetColours& colours, const ChartedSurface& charted,

@@ -6,6 +6,7 @@
 #include "api/job_inputs.hpp"
 #include "api/version.hpp"
 #include "worker/forming/inked_face.hpp"
+#include "worker/inspection/array_files.hpp"
 #include "worker/inspection/circuit_figures.hpp"
 #include "worker/inspection/colour_errors.hpp"
 #include "worker/inspection/inspection.hpp"
@@ -95,14 +96,14 @@ LengthErrors lengths_of(const LaidPattern& laid, const VectorPrint* vectors, con
   return lengths;
 }
 
-// The conductors of both faces together. An element lies on one of them.
-VectorPrint conductors_of(const Print& print) {
+// The conductors of both faces together: of a loop those of its own face.
+VectorPrint conductors_of(const Print& print, const ArrayBuild* build) {
   VectorPrint out = *print.main().source->vectors();
   for (const Layer& layer : print.layers) {
     if (layer.step != PrintStep::conductor || &layer == &print.main()) continue;
     const std::vector<PrintedElement>& there = layer.source->vectors()->elements;
     for (std::size_t e = 0; e < there.size(); ++e)
-      if (!there[e].areas.empty()) out.elements[e] = there[e];
+      if (!there[e].areas.empty() && (!build || build->faces[e] == 1)) out.elements[e] = there[e];
   }
   return out;
 }
@@ -157,7 +158,8 @@ Result<std::vector<Artifact>> run_stages(const Inputs& inputs, const Use& use, c
   const InkedSurface beneath = inked_surface(formed.sheet, other_face(s.pattern.inked_face));
   const ChartedSurface reverse(beneath, head.flattening);
   VACUFORM_TRY(colours, colours_on_sheet(head, inputs));
-  VACUFORM_TRY(laid, files.pattern ? lay_pattern(*std::move(files.pattern), inputs, charted, reverse,
+  const auto body = body_below(formed.sheet, head.surface, head.flattening, s);
+  VACUFORM_TRY(laid, files.pattern ? lay_pattern(*std::move(files.pattern), inputs, charted, reverse, body,
                                                  head.cuts, context)
                                    : lay_colours(*colours, charted, s.sheet, context));
   VACUFORM_TRY(layers, layers_of(laid, colours, head.surface, s, context));
@@ -189,7 +191,7 @@ Result<std::vector<Artifact>> run_stages(const Inputs& inputs, const Use& use, c
                .alignment = laid.alignment,
                .label = identity.label};
   if (laid.lines) {
-    const VectorPrint vectors = conductors_of(print);
+    const VectorPrint vectors = conductors_of(print, job.build);
     const bool both = laid.build && laid.build->reverse;
     VACUFORM_TRY(figures, measure(charted,
                                   {*laid.lines, laid.placement, vectors, laid.alignment,
@@ -203,6 +205,8 @@ Result<std::vector<Artifact>> run_stages(const Inputs& inputs, const Use& use, c
         print.warnings.push_back(std::move(warning));
     job.figures.circuits = std::move(circuits);
     job.figures.electrical = circuit_figures(job, vectors);
+    if (auto small = job.figures.electrical ? small_capacitors(job) : std::nullopt)
+      print.warnings.push_back(*std::move(small));
   }
   add_chart_figures(job);
   return use(job, Made{identity, formed.variants, laid});

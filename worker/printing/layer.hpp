@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "api/print_step.hpp"
 #include "worker/colour/ink_curve.hpp"
-#include "worker/conductors/print_step.hpp"
 #include "worker/pattern/ink_parts.hpp"
 #include "worker/placement/placement.hpp"
 #include "worker/printing/row_source.hpp"

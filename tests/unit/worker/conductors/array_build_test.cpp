@@ -19,6 +19,7 @@ struct Rings {
   Charted surface{sheet}, reverse{below.sheet, below.flattening};
   Drawing drawing = seven_rings(30, 1.516 * 30);
   Settings settings;
+  std::optional<BodyBelow> body = BodyBelow{{{0, 0, 0}, 88, 0}, 2};
 
   Rings() {
     // The same points of the sheet on both faces.
@@ -28,7 +29,7 @@ struct Rings {
   ArrayBuild build() {
     const Charted other(below.sheet, below.flattening);
     const auto placement = place(surface, &drawing, settings, Context());
-    return *build_array(drawing, *placement, other, settings, Context());
+    return *build_array(drawing, *placement, other, body, settings, Context());
   }
 };
 

@@ -81,5 +81,17 @@ TEST(PlacesForGaps, AreFewerWhereThereIsNoRoom) {
   EXPECT_EQ(places_for_gaps(100, 3, 2, 0, {{-5, 88}}).size(), 1u);
 }
 
+// A tenth of a wavelength is 469, 235 and 101 mm at 1.5, 3 and 7 T.
+TEST(Gaps, AreAsManyAsTheFrequencyNeeds) {
+  EXPECT_EQ(gaps_for_frequency(M_PI * 80, 3, 63.87), 1);
+  EXPECT_EQ(gaps_for_frequency(M_PI * 80, 3, 127.74), 2);
+  EXPECT_EQ(gaps_for_frequency(M_PI * 80, 3, 298.04), 3);
+  // 100 mm at 7 T: 1.21 pF in all (a table of closed forms), and four parts of a tenth of a wavelength.
+  EXPECT_EQ(gaps_for_frequency(M_PI * 100, 5, 298.04), 4);
+  // 500 mm at 3 T has 1.2 pF in all.
+  EXPECT_EQ(gaps_for_frequency(M_PI * 500, 5, 127.74), 7);
+  EXPECT_EQ(gaps_for_frequency(M_PI * 500, 5, 1000), 16);
+}
+
 }  // namespace
 }  // namespace vacuform

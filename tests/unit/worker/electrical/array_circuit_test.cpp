@@ -57,7 +57,7 @@ TEST(ArrayCircuit, IsThatOfTwoLoopsOverASphere) {
     loop.gaps = 4;
     loops.push_back(loop);
   }
-  const ArrayCircuit array = array_circuit(loops, {centre, 85, 0}, 10, settings);
+  const ArrayCircuit array = array_circuit(loops, {{centre, 85, 0}, 10}, settings);
   const LoopCircuit& loop = array.loops[1];
   EXPECT_NEAR(loop.coil_ohm, 1.28, 0.005);
   EXPECT_NEAR(loop.unloaded, 112, 1);
@@ -73,7 +73,7 @@ TEST(ArrayCircuit, IsThatOfTwoLoopsOverASphere) {
   EXPECT_NEAR(loop.capacitors[2].mhz, 298.04, 0.01);
 
   settings.ink_mohm *= 2;
-  EXPECT_NEAR(array_circuit(loops, {centre, 85, 0}, 10, settings).loops[0].coil_ohm,
+  EXPECT_NEAR(array_circuit(loops, {{centre, 85, 0}, 10}, settings).loops[0].coil_ohm,
               2 * array.loops[0].coil_ohm, 1e-9);
 }
 

@@ -338,7 +338,7 @@ TEST(Artifacts, ShowTheTemperatureAndTheSegmentsWhereThereAreAny) {
     for (const char* of_scan :
          {"preview-original.", "preview-position.", "preview-colour.", "preview-align."})
       if (name.starts_with(of_scan)) return true;
-    for (const char* of_array : {"print-", "coils.", "array"})
+    for (const char* of_array : {"print-", "layers.", "coils.", "array"})
       if (name.starts_with(of_array)) return true;
     return false;
   };
