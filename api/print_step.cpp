@@ -57,8 +57,7 @@ std::optional<DrawnLayer> drawn_layer(std::string_view name) {
     return std::nullopt;
   std::optional<PrintStep> step;
   std::optional<DrawnFace> face;
-  bool print = false;
-  std::string before, after;  // the numbers around the step
+  bool print = false, second = false;
   for (const std::string& word : runs_of(name)) {
     if (const auto found = step_of(word)) {
       if (step) return std::nullopt;
@@ -67,26 +66,19 @@ std::optional<DrawnLayer> drawn_layer(std::string_view name) {
       if (face) return std::nullopt;
       face = side;
     } else if (is_ascii_digit(word.front())) {
-      std::string& number = step ? after : before;
-      if (!number.empty() || word.size() > 2) return std::nullopt;  // a longer one is no order of printing
-      number = word;
+      // Drawing programs number layers of one name. A longer number may be that of a patient.
+      if (word.size() > 2) return std::nullopt;
     } else if (word == "second") {
-      before = "2";
+      second = true;
     } else if (word == "print") {
       print = true;
     } else if (!one_of(word, fillers)) {
       return std::nullopt;
     }
   }
-  if (!step && !(print && before.empty())) return std::nullopt;
+  if (!step && !print) return std::nullopt;
   DrawnLayer out{step.value_or(PrintStep::conductor), face.value_or(DrawnFace::first)};
-  if (out.step == PrintStep::conductor) {
-    // "1 silver", "3 silver": only the file's author knows which one the third is.
-    const std::string& number = after.empty() ? before : after;
-    const bool second = number == "2" && (!after.empty() || name.find('2') == std::string_view::npos);
-    if (second) out.step = PrintStep::bridges;
-    if (!second && !number.empty() && number != "1") return std::nullopt;
-  }
+  if (second && out.step == PrintStep::conductor) out.step = PrintStep::bridges;
   return out;
 }
 

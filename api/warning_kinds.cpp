@@ -53,7 +53,9 @@ constexpr WarningKind kinds[] = {
      "Loops are joined by ink: a short circuit, and not an array. Traces that cross on one layer of ink are "
      "joined where "
      "they cross.",
-     "Set coils.build=bridges or coils.build=two_faces, or take out the lines that join them."},
+     "Set coils.build=bridges or coils.build=two_faces, or name the layers of the drawing after the steps of "
+     "printing "
+     "(docs/how-to/array.md), or take out the lines that join them."},
     {"coils-spacing", Severity::note,
      "Distances of neighbouring coils on the head differ from the drawing by more than 2 mm RMS. The "
      "figure is the one of the report's table.",
@@ -128,6 +130,10 @@ constexpr WarningKind kinds[] = {
     {"lines-thin", Severity::warning,
      "Lines are narrower than 0.05 mm, or than half a pixel of the print. They may print faint or broken.",
      "Give the lines the width of the trace that is printed."},
+    {"loop-on-bridges", Severity::serious,
+     "A closed loop is drawn on a layer of bridges. It is printed, but it is neither placed, measured nor "
+     "checked as a coil.",
+     "Draw loops on a layer of conductors, of the other face if they must not touch."},
     {"marks-left-out", Severity::warning,
      "Marks would lie on the drawing or off the sheet and are not printed.",
      "Use a larger sheet, or another print.margin_mm."},

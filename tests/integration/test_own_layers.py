@@ -116,7 +116,7 @@ class OwnLayers(Case):
         self.check_two_loops(out, report)
 
     def test_gaps_are_made_beside_the_bridges(self):
-        out, report = self.run_drawing("gaps.svg", with_bridges(("Silver 1", "Insulator", "Silver 2")), "coils.gaps=3")
+        out, report = self.run_drawing("gaps.svg", with_bridges(("01 Silver", "02 Insulator", "03 Second silver_2_")), "coils.gaps=3")
         self.check_two_loops(out, report, 3)
 
     def test_layers_of_a_dxf_are_steps(self):
@@ -139,6 +139,42 @@ class OwnLayers(Case):
         ring = path(arc(B, 0, 2 * math.pi)[:-1], WIDTH, True)
         _, report = self.run_drawing("inner-on-inner.svg", svg(group("conductor inner", ring)), "pattern.inked_face=inner")
         self.assertEqual(report["circuits"]["coils"][0]["face"], "inner")
+
+    def test_white_over_a_conductor_interrupts_it(self):
+        white = "".join(path(arc(A, at - CUT / RADIUS, at + CUT / RADIUS), WIDTH + 1, colour="#fff") for at in over)
+        text = svg(group("conductor", path(arc(A, 0, 2 * math.pi)[:-1], WIDTH, True) + white + path(RING[:-1], WIDTH, True)),
+                   group("dielectric", lines(PATCHES)), group("bridges", lines(BRIDGES)))
+        out, report = self.run_drawing("white.svg", text)
+        circuits = report["circuits"]
+        self.assertEqual((circuits["loops"], circuits["nets"], circuits["shorts"], circuits["opens"]), (2, 2, [], []))
+
+    def test_a_pale_layer_is_full_ink(self):
+        text = with_bridges().replace('inkscape:label="dielectric"', 'inkscape:label="dielectric" opacity="0.4"')
+        out, report = self.run_drawing("pale.svg", text.replace('stroke="#000"', 'stroke="#000" stroke-opacity="0.5"'))
+        self.check_two_loops(out, report)
+        self.assertFalse(self.codes(report) & {"pattern-as-picture", "layers-as-one"})
+        for name in "print", "print-dielectric", "print-bridges":
+            self.assertNotIn("opacity", (out / f"{name}.svg").read_text())
+
+    def test_a_copy_lies_on_the_layer_that_draws_it(self):
+        ring = path(arc(A, 0, 2 * math.pi)[:-1], WIDTH, True)
+        text = svg(f'<g id="outer" inkscape:groupmode="layer" inkscape:label="conductor outer">{ring}</g>',
+                   group("conductor inner", f'<use href="#outer" x="{B[0] - A[0]}" y="{B[1] - A[1]}"/>'))
+        out, report = self.run_drawing("clone.svg", text)
+        self.check_two_loops(out, report)
+        self.assertEqual({coil["face"] for coil in report["circuits"]["coils"]}, {"outer", "inner"})
+
+    def test_bridges_without_a_dielectric_are_conductors(self):
+        """As of a program for cutting, whose bridges hold what is cut."""
+        rings = [path(arc(centre, 0, 2 * math.pi)[:-1], WIDTH, True) for centre in ((60, 60), (110, 58))]
+        _, report = self.run_drawing("tabs.svg", svg(group("traces1", rings[0], "id"), group("bridges", rings[1], "id")))
+        self.assertEqual((report["circuits"]["loops"], report["circuits"]["nets"]), (2, 2))
+        self.assertFalse(self.codes(report) & {"layer-unnamed", "loop-on-bridges"})
+
+    def test_a_loop_on_a_layer_of_bridges_is_said(self):
+        ring = path(arc((110, 90), 0, 2 * math.pi)[:-1], 2, True)
+        _, report = self.run_drawing("loop.svg", with_bridges(more=group("bridges", ring)))
+        self.assertIn("loop-on-bridges", self.codes(report))
 
     def test_what_is_on_no_layer_is_said(self):
         _, report = self.run_drawing("guides.svg", with_bridges(more=group("Guides", path(arc((130, 95), 0, 6)[:-1], 0.5, True))))

@@ -12,6 +12,7 @@
 #include "worker/conductors/faces.hpp"
 #include "worker/conductors/interrupted.hpp"
 #include "worker/pattern/curve.hpp"
+#include "worker/pattern/drawn_loop.hpp"
 #include "worker/stage/index.hpp"
 
 namespace vacuform {
@@ -43,7 +44,10 @@ class Build {
                   "the drawing has layers for steps of printing, which say how its loops are parted",
                   "coils.build", "leave the setting out, or draw the loops on one layer");
     VACUFORM_TRY(found, choose_faces_and_cross(context));
-    if (prints_plates(settings_.coils) && !build_.reverse) VACUFORM_CHECK(place_on_reverse(context));
+    if (prints_plates(settings_.coils)) {
+      if (!build_.reverse) VACUFORM_CHECK(place_on_reverse(context));
+      build_.first = placement_;
+    }
     lay_traces();
     bridge(found);
     cover();
@@ -93,7 +97,7 @@ class Build {
   // A loop lies on the face of its first conductor, whatever else belongs to it.
   Result<void> take_drawn_faces(const Context& context) {
     bool reverse = false;
-    std::size_t unnamed = 0;
+    std::size_t unnamed = 0, loops = 0;
     for (std::size_t e = 0; e < drawing_.elements.size(); ++e) {
       const std::vector<Shape>& shapes = drawing_.elements[e].shapes;
       const auto conductor = std::find_if(shapes.begin(), shapes.end(), [](const Shape& shape) {
@@ -102,7 +106,8 @@ class Build {
       build_.faces[e] = conductor == shapes.end() ? 0 : drawn_face(*conductor);
       for (const Shape& shape : shapes) {
         reverse |= drawn_face(shape) == 1;
-        unnamed += shape.layer ? 0 : 1;
+        unnamed += shape.layer || !has_ink(shape) ? 0 : 1;
+        loops += step_of(shape) == PrintStep::bridges && is_closed_loop(shape);
       }
     }
     if (unnamed > 0)
@@ -112,9 +117,24 @@ class Build {
                std::to_string(unnamed) + (unnamed == 1 ? " shape lies" : " shapes lie") +
                " on no layer that is named after a step of printing, and is printed with the first conductor",
            .figure = Warning::Figure{static_cast<double>(unnamed), "shapes", 0.0}});
+    if (loops > 0)
+      build_.warnings.push_back({.code = "loop-on-bridges",
+                                 .text = std::to_string(loops) +
+                                         (loops == 1 ? " closed loop lies" : " closed loops lie") +
+                                         " on a layer of bridges, and is no coil",
+                                 .figure = Warning::Figure{static_cast<double>(loops), "loops", 0.0}});
     return reverse ? place_on_reverse(context) : Result<void>();
   }
 
+  static bool has_ink(const Shape& shape) {
+    return (shape.fill && shape.fill->ink() > 0) || (shape.stroke && shape.stroke->colour.ink() > 0);
+  }
+  static bool is_closed_loop(const Shape& shape) {
+    if (!shape.stroke || !(shape.stroke->colour.ink() > 0)) return false;
+    return std::any_of(shape.curves.begin(), shape.curves.end(), [&](const Curve& curve) {
+      return closed_loop(loop_line(curve, shape.stroke->width_mm)).has_value();
+    });
+  }
   static PrintStep step_of(const Shape& shape) { return shape.layer.value_or(DrawnLayer()).step; }
   int drawn_face(const Shape& shape) const {
     switch (shape.layer.value_or(DrawnLayer()).face) {
@@ -150,9 +170,19 @@ class Build {
       laid.centre = placed.centre_rest;
       laid.drawn = drawn_gaps(laid.trace->path(), ink_of(e));
       if (!prints_plates(settings_.coils)) continue;
-      const PlacedElement& far = placed_on(1 - build_.faces[e]);
-      laid.far = std::make_unique<Trace>(loop, far.patch, width, far.size);
+      laid.far = std::make_unique<Trace>(loop, place_plates(e).patch, width, placed.size);
     }
+  }
+
+  // Where the plates of a loop lie: opposite to it.
+  const PlacedElement& place_plates(std::size_t e) {
+    const std::size_t i = index(placed_[e]);
+    const int face = 1 - build_.faces[e];
+    PlacedElement& out = face == 1 ? build_.reverse->elements[i] : build_.first->elements[i];
+    const Patch there = std::move(out.patch);
+    out = build_.placement(1 - face, placement_).elements[i];
+    out.patch = opposite(out.patch, there);
+    return out;
   }
 
   LaidLoop& loop_of(int element) { return loops_[index(loop_of_[index(element)])]; }
@@ -292,7 +322,7 @@ class Build {
   // A person tells layers apart by their colours; each has one ink.
   Shape in_black(Shape shape) const {
     const auto blacken = [](Colour& colour) {
-      if (colour.ink() > 0) colour = {0, 0, 0, colour.a};
+      if (colour.ink() > 0) colour = {0, 0, 0, 1};
     };
     if (layered_ && shape.fill) blacken(*shape.fill);
     if (layered_ && shape.stroke) blacken(shape.stroke->colour);

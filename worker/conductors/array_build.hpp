@@ -23,17 +23,22 @@ struct BuiltLayer {
 
 struct ArrayBuild {
   std::vector<int> faces;  // by Drawing::elements: 0 or 1
-  // The placement with every element on the inked surface of the second face; nothing if no element lies there.
+  // The placement with every element on the inked surface of the second face; nothing if no element lies there. Of a loop with
+  // plates on the other face than its own, that face has the loop's own places on the flat sheet: the plates lie opposite.
   std::optional<Placement> reverse;
+  std::optional<Placement> first =
+      {};  // instead of the given one, where loops of the second face have plates on the first
   std::vector<BuiltLayer>
       layers;  // face by face, in the order of printing; the first has step conductor and face 0
   std::vector<Bridge> bridges;        // one where loops on one face cross; none with coils.build=single
   std::vector<LoopGap> gaps;          // by coil
   std::vector<WidenedTrace> widened;  // by Drawing::elements, with print.compensate_width
-  // "bridges-crowded", "gaps-left-out", "layer-unnamed", "plates-small"
+  // "bridges-crowded", "gaps-left-out", "layer-unnamed", "loop-on-bridges", "plates-small"
   std::vector<Warning> warnings;
 
-  const Placement& placement(int face, const Placement& first) const { return face == 0 ? first : *reverse; }
+  const Placement& placement(int face, const Placement& given) const {
+    return face == 1 ? *reverse : first ? *first : given;
+  }
 };
 
 // What `placement` places of `drawing`, built as settings.coils asks. `reverse`: the other face of the same sheet, with the

@@ -371,6 +371,11 @@ std::vector<Warning> ElectricalCheck::warnings(const Drawing& drawing, double cl
     warning.text = counted(shorts.size(), " pair of loops is", " pairs of loops are") +
                    " joined by ink: " + std::to_string(loops) + " loops are " + std::to_string(nets) +
                    (nets == 1 ? " circuit" : " circuits");
+    if (drawing.layered())
+      warning.fix =
+          "Look at the layers of the drawing: where loops cross, one is interrupted, and a patch of "
+          "dielectric and a bridge are "
+          "drawn on layers with these names, or the loops are drawn on different faces.";
   }
   if (!opens.empty()) {
     Warning& warning = out.emplace_back(about(drawing, "coils-open", opens));

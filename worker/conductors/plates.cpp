@@ -39,6 +39,15 @@ double in_series(double a, double b) { return a > 0 && b > 0 ? a * b / (a + b) :
 
 }  // namespace
 
+Patch opposite(const Patch& patch, const Patch& other_face) {
+  const PlaneLocator locator(other_face.triangles, other_face.rest);
+  Patch out = patch;
+  for (std::size_t i = 0; i < patch.rest.size(); ++i)
+    if (const auto at = locator.nearest(patch.rest[i], 5))
+      out.inked[i] = interpolate(other_face.triangles, *at, other_face.inked);
+  return out;
+}
+
 Plate plate_for(const Trace& near, const Trace& far, const Interval& gap, double width_mm,
                 double permittivity, double wanted_pf, double room_before, double room_after) {
   const auto with = [&](double length) {

@@ -22,6 +22,10 @@ struct Plate {
 // How far the trace ends reach beyond a plate to all sides, so that the plate alone decides its capacitance, mm on the part.
 inline constexpr double plate_margin_mm = 0.5;
 
+// The patch of an element with the same places of the flat sheet on the other face, from the patch that the element would have
+// there: what is printed on both in register lies opposite to itself.
+Patch opposite(const Patch& patch, const Patch& other_face);
+
 // As long as it must be for `wanted_pf` on the part as it is formed, within 1e-4, but no longer than the room on each side, mm
 // in the drawing. `near` is the trace, `far` the same loop on the other face. Deterministic.
 Plate plate_for(const Trace& near, const Trace& far, const Interval& gap, double width_mm,

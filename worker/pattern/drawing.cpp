@@ -62,6 +62,7 @@ class Reader {
       refuse("a style sheet with selectors of several parts", "export it with plain attributes");
     read_root();
     if (!refused()) {
+      join_bare_bridges();
       std::vector<SortedElement> sorted = sort_into_elements(painted_, nodes_);
       drawing_.elements = with_shapes(std::move(sorted), std::move(painted_));
       for (const Element& element : drawing_.elements)
@@ -97,6 +98,19 @@ class Reader {
     std::optional<DrawnLayer> layer = {};
     bool copied = false;  // by a <use>, which names what it copies
   };
+
+  // Without a dielectric below it a bridge is a part of the conductor.
+  void join_bare_bridges() {
+    const auto parted = [&](DrawnFace face) {
+      return std::any_of(painted_.begin(), painted_.end(), [&](const PaintedShape& painted) {
+        return painted.shape.layer == DrawnLayer{PrintStep::dielectric, face};
+      });
+    };
+    for (PaintedShape& painted : painted_)
+      if (auto& layer = painted.shape.layer;
+          layer && layer->step == PrintStep::bridges && !parted(layer->face))
+        layer->step = PrintStep::conductor;
+  }
 
   void index(const pugi::xml_node& node) {
     const pugi::xml_attribute id = node.attribute("id");
@@ -196,10 +210,14 @@ class Reader {
     under.style = sheets_.of(node, parent.style, work_);
     if (!enter(node, under)) return;
 
-    if (!shape)
-      if (const auto layer = layer_of(node)) under.layer = layer;
+    const auto layer = shape ? std::nullopt : layer_of(node);
+    if (layer) {
+      // What a layer shows by being pale is no ink. A copy lies where it is drawn, and not where it comes from.
+      under.opacity = parent.opacity;
+      if (!parent.copied || !parent.layer) under.layer = layer;
+    }
     const std::size_t before = paints_;
-    if (std::string id = parent.copied ? std::string() : id_of(node, use); !shape || !id.empty()) {
+    if (std::string id = parent.copied || layer ? std::string() : id_of(node, use); !shape || !id.empty()) {
       nodes_.push_back({std::move(id), parent.node, shape, parent.copied ? std::nullopt : place_of(node)});
       under.node = static_cast<int>(nodes_.size()) - 1;
     }

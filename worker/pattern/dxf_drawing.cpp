@@ -547,8 +547,10 @@ class DxfReader {
           svg += "C" + point(p[i]) + " " + point(p[i + 1]) + " " + point(p[i + 2]);
         if (line.curve.closed) svg += "Z";
         const double width = line.drawn_width ? *line.drawn_width * scale : line.weight_mm.value_or(0);
+        // Programs end a polyline of a width flat, and a line of a weight round.
         svg += line.filled ? "\" fill=\"#000\" stroke=\"none\"/>\n"
-                           : "\" stroke-width=\"" + number(width) + "\"/>\n";
+                           : "\" stroke-width=\"" + number(width) +
+                                 (line.drawn_width ? "\" stroke-linecap=\"butt\"/>\n" : "\"/>\n");
       }
       svg += "</g>\n";
     }

@@ -1,6 +1,9 @@
 #include "worker/pipeline/pipeline.hpp"
 
+#include <Eigen/Geometry>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "api/base/sha256.hpp"
 #include "api/job_inputs.hpp"
@@ -108,20 +111,38 @@ VectorPrint conductors_of(const Print& print, const ArrayBuild* build) {
   return out;
 }
 
-std::vector<PrintedInk> ink_of(const Print& print) {
+// What the elements of a layer leave of each other: white covers what is below.
+std::vector<Ring> rings_of(const VectorPrint& vectors) {
   constexpr double tolerance_mm = 0.01;
+  std::vector<std::pair<Area, Eigen::AlignedBox2d>> inked;
+  const auto box_around = [](const Area& area) {
+    Eigen::AlignedBox2d box;
+    for (const Ring& ring : area)
+      for (const Eigen::Vector2d& p : ring) box.extend(p);
+    return box;
+  };
+  for (const PrintedElement& element : vectors.elements)
+    for (const PaintedArea& area : element.areas) {
+      Area painted = fill_area(area.outlines, area.even_odd, tolerance_mm);
+      const Eigen::AlignedBox2d box = box_around(painted);
+      if (area.colour.ink() > 0) {
+        inked.emplace_back(std::move(painted), box);
+      } else if (area.colour.a == 1) {
+        for (auto& [below, around] : inked)
+          if (around.intersects(box)) below = difference(below, painted);
+      }
+    }
+  std::vector<Ring> rings;
+  for (auto& [area, box] : inked) std::move(area.begin(), area.end(), std::back_inserter(rings));
+  return rings;
+}
+
+std::vector<PrintedInk> ink_of(const Print& print) {
   std::vector<PrintedInk> out;
-  for (const Layer& layer : print.layers) {
-    const VectorPrint* const vectors = layer.source->vectors();
-    if (!vectors) continue;
-    PrintedInk& ink = out.emplace_back(
-        PrintedInk{layer.step.value_or(PrintStep::conductor), layer.face == print.main().face ? 0 : 1, {}});
-    for (const PrintedElement& element : vectors->elements)
-      for (const PaintedArea& area : element.areas)
-        if (area.colour.ink() > 0)
-          for (Ring& ring : fill_area(area.outlines, area.even_odd, tolerance_mm))
-            ink.rings.push_back(std::move(ring));
-  }
+  for (const Layer& layer : print.layers)
+    if (const VectorPrint* const vectors = layer.source->vectors())
+      out.push_back({layer.step.value_or(PrintStep::conductor), layer.face == print.main().face ? 0 : 1,
+                     rings_of(*vectors)});
   return out;
 }
 

@@ -89,7 +89,12 @@ Result<void> check_ink(const Layer& layer, std::vector<Warning>& warnings) {
 Result<void> check_inks(std::vector<Layer>& layers, const PrintSettings& settings,
                         std::vector<Warning>& warnings) {
   for (Layer& layer : layers) {
-    for (Warning& warning : layer.source->warnings()) warnings.push_back(std::move(warning));
+    // Layers of one drawing say the same of it.
+    for (Warning& warning : layer.source->warnings())
+      if (std::none_of(warnings.begin(), warnings.end(), [&](const Warning& said) {
+            return said.code == warning.code && said.text == warning.text;
+          }))
+        warnings.push_back(std::move(warning));
     layer.ink_printed = layer.source->ink_printed();
     VACUFORM_CHECK(check_ink(layer, warnings));
   }

@@ -121,9 +121,10 @@ TEST(Plates, KeepAwayFromOtherLoops) {
     for (std::size_t other = 0; other < build.faces.size(); ++other) {
       if (other == e || build.faces[other] != face) continue;
       for (const Shape& shape : layer_of(build, PrintStep::conductor, face)->drawing.elements[other].shapes)
-        if (shape.stroke)
+        if (shape.stroke) {
           EXPECT_LT(square_mm(intersection(plate, stroke_area(shape.curves, *shape.stroke, 0.01))), 0.05)
-              << e << other;
+              << e << " and " << other;
+        }
     }
   }
   EXPECT_GT(found, 0u);
