@@ -17,6 +17,7 @@ import {cancelLayout, draft, keptFile, layout, makeLayout, onSideJob, removePatt
 
 export const patternTypes = ['.svg', '.svgz', '.dxf', '.png', '.jpg', '.jpeg'] as const;
 const placed = ['pattern.inked_face', 'pattern.width_mm', 'pattern.dpi', 'pattern.line_mm', 'pattern.rotate_deg', 'pattern.scale', 'pattern.offset_mm'];
+const built = ['coils.build', 'coils.gaps'];
 const arranged = ['layout.count', 'layout.diameter_mm', 'layout.region', 'layout.overlap'];
 
 export function sizeText(size: readonly [number, number]): string {
@@ -137,5 +138,6 @@ export function patternSection(schema: SettingsSchema): Children {
     drawing, array, transferLine('pattern'),
     live(({draft: {form, from}}) => [form.pattern, from, valueOf(schema, form.settings, 'pattern.width_mm'), valueOf(schema, form.settings, 'pattern.dpi'), form.settings['pattern']?.['source']] as const,
       () => !printsScan(draft()) && chosen(draft())),
+    el('h3', null, t('new.build_array')), draftFields(schema, 'array', built).element,
     el('h3', null, t('new.place_pattern')), draftFields(schema, 'pattern', placed).element];
 }
