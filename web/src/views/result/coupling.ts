@@ -36,13 +36,11 @@ export function couplingMap(couplings: Couplings, chosen: (pair: [string, string
     reading.textContent = words(a, b);
     key.mark(k[a]?.[b] ?? null);
   };
-  const cells: (HTMLTableCellElement | null)[][] = coils.map((_, a) => coils.map((_, b) => {
+  const cells: (HTMLElement | null)[][] = coils.map((_, a) => coils.map((_, b) => {
     if (a === b) return null;
     const value = k[a]?.[b];
-    const cell = el('td', {
-      role: 'gridcell', tabindex: a === first[0] && b === first[1] ? 0 : -1, 'aria-label': words(a, b), 'aria-selected': 'false',
-      onclick: () => choose(a, b), onfocus: () => read(a, b), onpointerenter: () => read(a, b),
-      onkeydown: (event) => onKey(event, a, b)}, typeof value === 'number' ? signed(1000 * value, 0) : '–');
+    const cell = el('td', {role: 'gridcell', tabindex: a === first[0] && b === first[1] ? 0 : -1, 'aria-label': words(a, b), 'aria-selected': 'false'},
+                    typeof value === 'number' ? signed(1000 * value, 0) : '–');
     if (typeof value === 'number') {
       const colour = colourAt({colours}, (value + most) / (2 * most));
       cell.style.backgroundColor = css(colour);
@@ -51,9 +49,12 @@ export function couplingMap(couplings: Couplings, chosen: (pair: [string, string
     return cell;
   }));
   // One cell is reached with Tab, the others from it with the arrows.
-  function goTo(a: number, b: number): void {
-    for (const row of cells) for (const cell of row) cell?.setAttribute('tabindex', '-1');
-    cells[a]?.[b]?.setAttribute('tabindex', '0');
+  let stop = cells[first[0]]?.[first[1]];
+  function goTo(a: number, b: number): HTMLElement | null | undefined {
+    stop?.setAttribute('tabindex', '-1');
+    stop = cells[a]?.[b];
+    stop?.setAttribute('tabindex', '0');
+    return stop;
   }
   function choose(a: number, b: number): void {
     goTo(a, b);
@@ -61,15 +62,22 @@ export function couplingMap(couplings: Couplings, chosen: (pair: [string, string
   }
   function onKey(event: KeyboardEvent, a: number, b: number): void {
     const next = stepped([a, b], event.key, coils.length);
-    if (next) {
-      goTo(...next);
-      cells[next[0]]?.[next[1]]?.focus();
-    } else if (event.key === 'Enter' || event.key === ' ') choose(a, b);
+    if (next) goTo(...next)?.focus();
+    else if (event.key === 'Enter' || event.key === ' ') choose(a, b);
     else return;
     event.preventDefault();
   }
+  // The listeners are those of the table: there may be thousands of cells.
+  const at = (event: Event, act: (a: number, b: number) => void): void => {
+    const cell = event.target instanceof Element ? event.target.closest('td') : null, row = cell?.parentElement;
+    if (cell && row instanceof HTMLTableRowElement && cells[row.sectionRowIndex]?.[cell.cellIndex - 1]) act(row.sectionRowIndex, cell.cellIndex - 1);
+  };
   const rows = coils.map((id, a): Children => el('tr', null, el('th', {scope: 'row'}, id),
     ...(cells[a] ?? []).map((cell) => cell ?? el('td', {role: 'gridcell', class: 'same'}, el('span', {class: 'hidden'}, t('array.same'))))));
+  const body = el('tbody', {
+    onclick: (event) => at(event, choose), onfocusin: (event) => at(event, read), onpointerover: (event) => at(event, read),
+    onkeydown: (event) => at(event, (a, b) => onKey(event, a, b))}, ...rows);
+  let marked: HTMLElement[] = [];
   read(...first);
   return {
     element: el('section', {class: 'card coupling'},
@@ -78,11 +86,12 @@ export function couplingMap(couplings: Couplings, chosen: (pair: [string, string
       el('div', {class: 'wide', role: 'group', 'aria-label': t('array.coupling')},
         el('table', {role: 'grid', 'aria-label': t('array.coupling'), class: 'coupling-map'},
           el('thead', null, el('tr', null, el('td', null), ...coils.map((id) => el('th', {scope: 'col'}, el('span', null, id))))),
-          el('tbody', null, ...rows)))),
+          body))),
     select([coil = '', other = '']) {
       const a = coils.indexOf(coil), b = coils.indexOf(other);
-      cells.forEach((row, i) => row.forEach((cell, j) =>
-        cell?.setAttribute('aria-selected', String(b >= 0 && (i === a && j === b || i === b && j === a)))));
+      for (const cell of marked) cell.setAttribute('aria-selected', 'false');
+      marked = b < 0 ? [] : [cells[a]?.[b], cells[b]?.[a]].flatMap((cell) => cell ?? []);
+      for (const cell of marked) cell.setAttribute('aria-selected', 'true');
       if (a >= 0 && b >= 0) read(a, b);
     },
   };
