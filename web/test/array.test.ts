@@ -1,7 +1,8 @@
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {couplingsOf, fromBelow, gapsOf, layersOf, stepped, strongest, tintOf, withLayer, type Circuits} from '../src/state/array';
-import {inkOf, marksOnly, pageOf} from '../src/state/ink';
+import {inkOf, marksOnly, pageOf, wholeLines} from '../src/state/ink';
+import {encloses, type Line} from '../src/state/result';
 
 const files = (...names: string[]): {name: never}[] => names.map((name) => ({name: name as never}));
 const sixFiles = files('print-reverse-bridges.svg', 'print-reverse-dielectric.svg', 'print-reverse.svg', 'print-bridges.svg', 'print-dielectric.svg', 'print.svg', 'print.pdf');
@@ -106,4 +107,30 @@ test('the marks alone are without ink, legend and numbers', () => {
   assert.match(marks, /mark-window/);
   assert.doesNotMatch(marks, /pattern|step 1|17|evenodd/);
   assert.equal(marks.split('<g').length, marks.split('</g>').length, 'groups are closed');
+});
+
+// A circle about (x, 0) in pieces of the given degrees, every other one turned round.
+const arcs = (x: number, ...pieces: [from: number, to: number][]): Line[] => pieces.map(([from, to], i) => {
+  const line = Array.from({length: 9}, (_, k): [number, number] => {
+    const angle = (from + (to - from) * k / 8) * Math.PI / 180;
+    return [x + 30 * Math.cos(angle), 30 * Math.sin(angle)];
+  });
+  return i % 2 ? line.reverse() : line;
+});
+
+test('a loop that gaps and bridges interrupt is whole again, whatever the order of its pieces', () => {
+  const conductor = new Map([['a', arcs(0, [200, 290], [4, 90], [94, 180], [2, 4], [178, 180], [300, 358])]]), bridge = new Map([['a', arcs(0, [180, 200])]]);
+  const [line, ...more] = wholeLines([conductor, bridge]).get('a')!;
+  assert.equal(more.length, 0, 'all pieces are in one line');
+  for (const angle of [0, 45, 92, 135, 190, 250, 295, 330]) {
+    const [c, s] = [Math.cos(angle * Math.PI / 180), Math.sin(angle * Math.PI / 180)];
+    assert.ok(encloses([line!], [28 * c, 28 * s]), `${angle} degrees, inside`);
+    assert.ok(!encloses([line!], [32 * c, 32 * s]), `${angle} degrees, outside`);
+  }
+});
+
+test('what is closed, and what lies far apart, stays as it is', () => {
+  const ring = arcs(0, [0, 360])[0]!, far = arcs(200, [0, 90])[0]!;
+  ring[ring.length - 1] = [...ring[0]!];
+  assert.deepEqual(wholeLines([new Map([['a', [ring, far]]])]).get('a'), [ring, far]);
 });

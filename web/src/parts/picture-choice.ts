@@ -37,12 +37,12 @@ export interface PictureChoice {
 export function pictureChoice(options: {id: string; name: string; legend: HTMLElement; values: readonly string[]; describedBy: string;
                                         change: (value: string) => void}): PictureChoice {
   const inputs = options.values.map((value, i) => el('input', {type: 'radio', name: options.name, value, ...(i === 0 && {id: options.name}),
-    'aria-describedby': `${options.name}-${value}`, onchange: () => options.change(value)}));
+    'aria-labelledby': `${options.name}-${value}-name`, 'aria-describedby': `${options.name}-${value}`, onchange: () => options.change(value)}));
   const element = el('fieldset', {class: 'picture-choice', 'aria-describedby': options.describedBy}, options.legend,
     el('div', {class: 'pictures-of-choice'}, ...options.values.map((value, i) => el('label', {class: 'profile'},
       svg('svg', {class: 'choice-picture', viewBox: '18 6 104 68', 'aria-hidden': 'true', focusable: 'false'},
         svg('rect', {x: 18, y: 6, width: 104, height: 68, fill: colours.bare}), ...drawings[value]?.() ?? []),
-      el('span', {class: 'choice'}, inputs[i], el('span', null, choiceOf(options.id, value))),
+      el('span', {class: 'choice'}, inputs[i], el('span', {id: `${options.name}-${value}-name`}, choiceOf(options.id, value))),
       el('span', {class: 'quiet small', id: `${options.name}-${value}`}, textIfKnown(`choice.${options.id}.${value}.hint`))))));
   return {
     element,

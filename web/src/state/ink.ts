@@ -1,5 +1,7 @@
 // The ink of a layer as its SVG has it (worker/printing/print_svg.cpp). Only what Vacuform writes there is understood.
 
+import type {Line} from './result';
+
 export interface InkPath {
   d: string;
   evenOdd: boolean;
@@ -40,4 +42,42 @@ export function inkOf(svg: string): LayerInk {
 export function marksOnly(svg: string): string {
   const [before, , marks] = parts(svg);
   return before + marks.replace(/<g id="mark-(legend|gap-numbers)">[\s\S]*?<\/g>\n?/g, '');
+}
+
+const reach = 15;  // mm between two pieces of a loop: a gap for a capacitor, or the place under a bridge of another loop
+const apart = (a: readonly number[], b: readonly number[]): number => Math.hypot(a[0]! - b[0]!, a[1]! - b[1]!);
+
+// The pieces of a line that gaps and bridges interrupt, one after the other: each is followed by the one that begins or ends
+// nearest to its end.
+function chained(pieces: readonly Line[]): Line[] {
+  const left = [...pieces].sort((a, b) => b.length - a.length), chains: Line[] = [];
+  for (let line = left.shift(); line; line = left.shift()) {
+    for (let turns = 0; turns < 2; line.reverse(), ++turns) {
+      for (;;) {
+        const end = line.at(-1)!;
+        let next = -1, backwards = false, least = reach;
+        left.forEach((piece, i) => {
+          for (const back of [false, true]) {
+            const far = apart(end, (back ? piece.at(-1) : piece[0])!);
+            if (far < least) [next, backwards, least] = [i, back, far];
+          }
+        });
+        const [piece] = next < 0 ? [] : left.splice(next, 1);
+        if (!piece) break;
+        line.push(...(backwards ? [...piece].reverse() : piece));
+      }
+    }
+    chains.push(line);
+  }
+  return chains;
+}
+
+// The centre lines of several layers, by the names of their elements: every loop whole, whatever interrupts its ink.
+export function wholeLines(layers: readonly ReadonlyMap<string, Line[]>[]): Map<string, Line[]> {
+  const all = new Map<string, Line[]>();
+  for (const layer of layers) for (const [id, lines] of layer) all.set(id, [...all.get(id) ?? [], ...lines.filter(({length}) => length > 0)]);
+  const closed = (line: Line): boolean => line.length > 2 && apart(line[0]!, line.at(-1)!) < 1e-3;
+  for (const [id, lines] of all)
+    all.set(id, [...lines.filter(closed), ...chained(lines.filter((line) => !closed(line)).map((line) => [...line]))]);
+  return all;
 }

@@ -33,7 +33,7 @@ function checklist(job: Job, layers: readonly Layer[], gaps: readonly Gap[]): HT
       el('p', null, t('array.solder_count', {capacitors: gaps.length - ports, ports}))));
 }
 
-const pf = (value: number): string => value > 0 ? number(value) : '–';
+const pf = (value: number, digits?: number): string => value > 0 ? number(value, digits) : '–';
 
 function gapTable(gaps: readonly Gap[], show: (gap: Gap) => void): {element: HTMLElement; select(number: number): void} {
   const rows = new Map<number, HTMLTableRowElement>();
@@ -42,7 +42,7 @@ function gapTable(gaps: readonly Gap[], show: (gap: Gap) => void): {element: HTM
       el('td', {class: 'tick'}, el('span', {class: 'tick-box'})),
       el('th', {scope: 'row', class: 'number'}, String(gap.number)), el('td', null, gap.loop), el('td', null, t(`array.face_${gap.face}`)),
       el('td', null, t(gap.port ? 'array.port' : 'array.capacitor')),
-      el('td', {class: 'number'}, el('strong', null, pf(gap.value))), el('td', {class: 'number quiet'}, pf(gap.wanted)),
+      el('td', {class: 'number'}, el('strong', null, pf(gap.value))), el('td', {class: 'number quiet'}, pf(gap.wanted, 2)),
       ...gap.place.map((mm) => el('td', {class: 'number'}, number(mm, 1).replace('-', '−'))),
       el('td', {class: 'no-paper'}, el('button', {type: 'button', class: 'plain icon-only', 'aria-label': t('array.show_gap', {number: gap.number}),
         title: t('array.show_gap', {number: gap.number})}, icon('view'))));

@@ -12,6 +12,7 @@ import {readFormed} from '../../read/formed';
 import {toJob} from '../../route';
 import {announce, store} from '../../state';
 import {centreLines, modes, queryOf, selected, type Coil, type HeatMap, type Line, type MapName, type PrintReport, type ResultState} from '../../state/result';
+import {wholeLines} from '../../state/ink';
 import {colourAt, css, marksOf, noValue, touches, touchesNot} from '../../scene/colour';
 import type {Sheet, Spot, Viewer} from '../../scene/sheet';
 import {number, t, withUnit} from '../../text';
@@ -357,8 +358,8 @@ export function partView(job: Job, report: PrintReport, model: Model, coils: rea
   // The centre lines come from the print itself; without them coils cannot be outlined.
   async function loadLines(): Promise<void> {
     if (coils.length === 0) return;
-    const names = ['print', ...layers.all.filter(({step, reverse}) => reverse && step === 'conductor').map(({name}) => name)];
-    lines = new Map((await Promise.all(names.map(layers.text))).flatMap((svg) => [...centreLines(svg)]));
+    const names = layers.all.length > 0 ? layers.all.filter(({step}) => step !== 'dielectric').map(({name}) => name) : ['print'];
+    lines = wholeLines((await Promise.all(names.map(layers.text))).map(centreLines));
     paint();
   }
 
