@@ -41,8 +41,9 @@ test('a cell of the coupling table is the k of the report and selects its two lo
   assert.equal(await grid.getByRole('row').count(), coils.length + 1);
   assert.deepEqual(await grid.getByRole('columnheader').allInnerTexts(), coils);
   for (const [a, b] of [[1, 0], [0, 1], [5, 3], [coils.length - 1, 2]]) {
-    const cell = grid.getByRole('gridcell', {name: `${coils[a]} and ${coils[b]}: k = ${k[a][b].toFixed(4).replace('-', '−')}`, exact: true});
-    assert.equal(minus(await cell.innerText()), Math.round(1000 * k[a][b]) + 0, `${coils[a]} ${coils[b]}`);
+    const thousandths = String(Math.round(1000 * k[a][b]) + 0).replace('-', '−');
+    const cell = grid.getByRole('gridcell', {name: `${coils[a]} and ${coils[b]}: ${thousandths} thousandths, k = ${k[a][b].toFixed(4).replace('-', '−')}`, exact: true});
+    assert.equal(await cell.innerText(), thousandths);
   }
   await grid.getByRole('gridcell', {name: new RegExp(`^${coils[5]} and ${coils[3]}:`)}).click();
   assert.deepEqual((await page.locator('.coil-table tr[aria-selected=true] th button').allInnerTexts()).sort(), [coils[3], coils[5]].sort());

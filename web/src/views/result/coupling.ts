@@ -28,19 +28,20 @@ export function couplingMap(couplings: Couplings, chosen: (pair: [string, string
     title: t('array.k'), unit: '', low: -most, high: most, marks: [-0.04, -0.02, 0, 0.02, 0.04], colours,
     below: t('result.below', {value: signed(-most, 2)}), above: t('result.above', {value: signed(most, 2)})});
   const reading = el('p', {class: 'coupling-reading'});
-  const words = (a: number, b: number): string => {
-    const value = k[a]?.[b];
-    return t('array.pair', {a: coils[a] ?? '', b: coils[b] ?? '', k: typeof value === 'number' ? signed(value, 4) : '–'});
+  // Of two loops: k, in thousandths for the cell, and in words.
+  const texts = (a: number, b: number): {a: string; b: string; k: string; thousandths: string} => {
+    const value = k[a]?.[b], known = typeof value === 'number';
+    return {a: coils[a] ?? '', b: coils[b] ?? '', k: known ? signed(value, 4) : '–', thousandths: known ? signed(1000 * value, 0) : '–'};
   };
   const read = (a: number, b: number): void => {
-    reading.textContent = words(a, b);
+    reading.textContent = t('array.pair', texts(a, b));
     key.mark(k[a]?.[b] ?? null);
   };
   const cells: (HTMLElement | null)[][] = coils.map((_, a) => coils.map((_, b) => {
     if (a === b) return null;
-    const value = k[a]?.[b];
-    const cell = el('td', {role: 'gridcell', tabindex: a === first[0] && b === first[1] ? 0 : -1, 'aria-label': words(a, b), 'aria-selected': 'false'},
-                    typeof value === 'number' ? signed(1000 * value, 0) : '–');
+    const value = k[a]?.[b], text = texts(a, b);
+    const cell = el('td', {role: 'gridcell', tabindex: a === first[0] && b === first[1] ? 0 : -1, 'aria-label': t('array.cell', text), 'aria-selected': 'false'},
+                    text.thousandths);
     if (typeof value === 'number') {
       const colour = colourAt({colours}, (value + most) / (2 * most));
       cell.style.backgroundColor = css(colour);
