@@ -1,6 +1,6 @@
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
-import {couplingsOf, fromBelow, gapsOf, layersOf, stepped, strongest, tintOf, withLayer, type Circuits} from '../src/state/array';
+import {couplingsOf, farthestFirst, gapsOf, layersOf, stepped, strongest, tintOf, withLayer, type Circuits} from '../src/state/array';
 import {inkOf, marksOnly, pageOf, wholeLines} from '../src/state/ink';
 import {encloses, type Line} from '../src/state/result';
 
@@ -20,10 +20,12 @@ test('a print of one layer has no list of layers', () => {
   assert.deepEqual(layersOf(files('print.svg', 'print.pdf', 'colours.svg'), 'outer'), []);
 });
 
-test('the outermost ink is painted last, whichever face is printed first', () => {
-  const outer = fromBelow(layersOf(sixFiles, 'outer')).map(({name}) => name), inner = fromBelow(layersOf(sixFiles, 'inner')).map(({face, step}) => `${face} ${step}`);
-  assert.deepEqual(outer, ['print-reverse-bridges', 'print-reverse-dielectric', 'print-reverse', 'print', 'print-dielectric', 'print-bridges']);
-  assert.deepEqual(inner, ['inner bridges', 'inner dielectric', 'inner conductor', 'outer conductor', 'outer dielectric', 'outer bridges']);
+test('the nearest ink is painted last, whichever face is printed first', () => {
+  const inner = layersOf(sixFiles, 'inner'), words = (from: 'outer' | 'inner'): string[] => farthestFirst(inner, from).map(({face, step}) => `${face} ${step}`);
+  assert.deepEqual(farthestFirst(layersOf(sixFiles, 'outer'), 'outer').map(({name}) => name),
+    ['print-reverse-bridges', 'print-reverse-dielectric', 'print-reverse', 'print', 'print-dielectric', 'print-bridges']);
+  assert.deepEqual(words('outer'), ['inner bridges', 'inner dielectric', 'inner conductor', 'outer conductor', 'outer dielectric', 'outer bridges']);
+  assert.deepEqual(words('inner'), words('outer').reverse());
   assert.notEqual(tintOf({step: 'conductor', reverse: false}).colour, tintOf({step: 'conductor', reverse: true}).colour);
 });
 

@@ -33,11 +33,12 @@ export function tintOf({step, reverse}: Pick<Layer, 'step' | 'reverse'>): {colou
   return {colour: reverse ? '#2659bf' : '#1a1a1a', opacity: 1};
 }
 
-// From below, as one sees them from the outside: of the inner face what was printed last comes first.
-export const fromBelow = (layers: readonly Layer[]): Layer[] => {
-  const depth = ({face, step}: Layer): number => face === 'outer' ? -steps.indexOf(step) : 1 + steps.indexOf(step);
+// In the order of painting: first what lies farthest from an eye on that side of the sheet. Of the face that it looks at, what
+// was printed last lies on top.
+export function farthestFirst(layers: readonly Layer[], from: Face): Layer[] {
+  const depth = ({face, step}: Layer): number => face === from ? -steps.indexOf(step) : 1 + steps.indexOf(step);
   return [...layers].sort((a, b) => depth(b) - depth(a));
-};
+}
 
 export const withLayer = (hidden: readonly string[], name: string, shown: boolean): string[] =>
   [...hidden.filter((one) => one !== name), ...(shown ? [] : [name])].sort();

@@ -2,7 +2,7 @@
 import {el, svg, type Children} from '../../dom';
 import {api} from '../../api/client';
 import type {Job} from '../../api/types';
-import {fromBelow, layersOf, tintOf, withLayer, type Layer} from '../../state/array';
+import {farthestFirst, layersOf, tintOf, withLayer, type Layer} from '../../state/array';
 import {inkOf, type LayerInk} from '../../state/ink';
 import type {PrintReport, ResultState} from '../../state/result';
 import {store} from '../../state';
@@ -69,7 +69,7 @@ export const allShown = ({all}: Layers, {hidden}: Pick<ResultState, 'hidden'>): 
 // Draws the ink that is shown, in millimetres of the sheet, t up.
 export function paintInk(context: CanvasRenderingContext2D, {all}: Layers, inks: ReadonlyMap<string, LayerInk>, hidden: readonly string[]): void {
   context.scale(1, -1);
-  for (const layer of fromBelow(all)) {
+  for (const layer of farthestFirst(all, 'outer')) {
     if (hidden.includes(layer.name)) continue;
     const {colour, opacity} = tintOf(layer);
     context.fillStyle = colour;

@@ -3,7 +3,7 @@ import {el, jumpTo, svg, type Children} from '../../dom';
 import type {Job} from '../../api/types';
 import {icon} from '../../parts/icon';
 import {later, pictureOf} from '../../parts/later';
-import {fromBelow, tintOf, type Layer} from '../../state/array';
+import {farthestFirst, tintOf, type Layer} from '../../state/array';
 import {marksOnly, pageOf, type LayerInk, type Page} from '../../state/ink';
 import type {PrintReport} from '../../state/result';
 import {t} from '../../text';
@@ -33,7 +33,9 @@ export function printSheet(job: Job, report: PrintReport, layers: Layers, change
     for (const group of groups) group.style.display = hidden.includes(group.dataset['layer'] ?? '') ? 'none' : '';
   };
   function stacked(inks: ReadonlyMap<string, LayerInk>, {box, mirrored}: Page): SVGElement {
-    groups.splice(0, groups.length, ...fromBelow(layers.all).map((layer) => inkGroup(layer, inks.get(layer.name) ?? {paths: [], numbers: []}, mirrored)));
+    // a mirrored page is seen from the inner face
+    groups.splice(0, groups.length, ...farthestFirst(layers.all, mirrored ? 'inner' : 'outer').map((layer) =>
+      inkGroup(layer, inks.get(layer.name) ?? {paths: [], numbers: []}, mirrored)));
     apply();
     return svg('svg', {class: 'sheet-layers', viewBox: box.join(' '), role: 'img', 'aria-label': t('array.sheet_alt')}, ...groups);
   }
