@@ -339,6 +339,9 @@ export const viewsOf = (jobs) => ({
   'new print': '#/new',
   'job that succeeded': `#/jobs/${jobs.print}`,
   'job that failed': `#/jobs/${jobs.failed}`,
+  'array on the part': `#/jobs/${jobs.array}?hide=print-bridges`,
+  'array on the sheet': `#/jobs/${jobs.array}?tab=sheet`,
+  'array to print and solder': `#/jobs/${jobs.array}?tab=build`,
   'inspection': `#/jobs/${jobs.inspection}`,
   'comparison': `#/compare/${jobs.print}/${jobs.other}`,
   'tokens': '#/admin/tokens',
@@ -361,6 +364,9 @@ async function furnish(service) {
   jobs.other = (await service.json('/api/v1/jobs', {
     method: 'POST', headers: {'Content-Type': 'application/json'},
     body: JSON.stringify({from: jobs.print, settings: {pattern: {rotate_deg: 10}}})})).id;
+  jobs.array = (await service.json('/api/v1/jobs', {
+    method: 'POST', headers: {'Content-Type': 'application/json'},
+    body: JSON.stringify({from: jobs.print, reference: 'CASE-9', settings: {coils: {decouple: true, build: 'two_faces', gaps: 4}}})})).id;
   for (const [name, id] of Object.entries(jobs))
     assert.equal((await service.ended(id)).state, name === 'failed' ? 'failed' : 'succeeded', name);
   return jobs;

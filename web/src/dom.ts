@@ -40,10 +40,10 @@ export function replace(parent: Element, children: Children): void {
   if (focused) document.getElementById(focused)?.focus({preventScroll: true});
 }
 
-export function svg(tag: string, props: Record<string, string | number>, ...children: Node[]): SVGElement {
+export function svg(tag: string, props: Record<string, string | number>, ...children: (Node | string)[]): SVGElement {
   const element = document.createElementNS('http://www.w3.org/2000/svg', tag);
   for (const [name, value] of Object.entries(props)) element.setAttribute(name, String(value));
-  for (const child of children) element.appendChild(child);
+  element.append(...children);
   return element;
 }
 

@@ -11,9 +11,10 @@ import type settings from '../lang/en/settings.json';
 import type warnings from '../lang/en/warnings.json';
 import type admin from '../lang/en/admin.json';
 import type help from '../lang/en/help.json';
+import type array from '../lang/en/array.json';
 
 export type Key = keyof (typeof shell & typeof jobs & typeof print & typeof scan & typeof job & typeof result & typeof settings &
-                         typeof warnings & typeof admin & typeof help);
+                         typeof warnings & typeof admin & typeof help & typeof array);
 type Values = Record<string, string | number>;
 
 export const languages = ['en', 'de'] as const;

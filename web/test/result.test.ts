@@ -7,11 +7,12 @@ import {coarse, picturePlace} from '../src/read/formed';
 test('a link restores the view, and the first view needs none', () => {
   assert.equal(queryOf(initialResult), '');
   assert.deepEqual(resultOf(''), initialResult);
-  const view = {...initialResult, tab: 'sheet', map: 'area', cut: 0.38, isolines: false, coil: 'a & b', camera: '25_15_1_0_0_60'} as const;
+  const view = {...initialResult, tab: 'sheet', map: 'area', cut: 0.38, isolines: false, coil: 'a & b', other: 'c',
+                hidden: ['print-bridges', 'print-reverse'], camera: '25_15_1_0_0_60'} as const;
   assert.deepEqual(resultOf(queryOf(view)), view);
   const side = {...initialResult, mode: 'side'} as const;
   assert.deepEqual(resultOf(queryOf(side)), side);
-  assert.deepEqual(resultOf('cut=900&mode=x'), initialResult);
+  assert.deepEqual(resultOf('cut=900&mode=x&and=b&hide=x_%20'), initialResult);
 });
 
 const side = (round: number, onHead = true): object => ({

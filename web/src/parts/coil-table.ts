@@ -6,11 +6,11 @@ import {icon} from './icon';
 
 export interface CoilTable {
   element: HTMLElement;
-  select(id: string): void;
+  select(ids: readonly string[]): void;
 }
 
 export function coilTable(coils: readonly Coil[], chosen: (coil: Coil) => void): CoilTable {
-  let by: Column = 'round', down = true, selected = '';
+  let by: Column = 'round', down = true, selected: readonly string[] = [];
   const body = el('tbody');
   const heads = columns.map((column) => el('th', {scope: 'col', class: column === 'id' ? '' : 'number'},
     el('button', {type: 'button', class: 'plain', onclick: () => {
@@ -28,8 +28,8 @@ export function coilTable(coils: readonly Coil[], chosen: (coil: Coil) => void):
     return size === percent(0, 1) ? size : `${share < 0 ? '−' : '+'}${size}`;
   };
   const row = (coil: Coil): HTMLElement =>
-    el('tr', {'aria-selected': String(coil.id === selected), onclick: () => chosen(coil)},
-      el('th', {scope: 'row'}, el('button', {type: 'button', id: `row-${coil.id}`, class: 'plain', 'aria-pressed': String(coil.id === selected)}, coil.id),
+    el('tr', {'aria-selected': String(selected.includes(coil.id)), onclick: () => chosen(coil)},
+      el('th', {scope: 'row'}, el('button', {type: 'button', id: `row-${coil.id}`, class: 'plain', 'aria-pressed': String(selected.includes(coil.id))}, coil.id),
         !coil.onHead && el('span', {class: 'state'}, t('result.off_head'))),
       el('td', {class: 'number'}, t('result.diameter_of', {made: number(coil.diameter, 1), drawn: number(coil.drawn, 1)})),
       el('td', {class: 'number'}, percent(coil.round, 1), coil.roundWithout !== null &&
@@ -54,9 +54,9 @@ export function coilTable(coils: readonly Coil[], chosen: (coil: Coil) => void):
   return {
     element: el('div', null, el('p', {class: 'small quiet'}, t('result.coils_caption')),
       el('label', {class: 'coil-sort'}, t('result.coil_sort'), sort), box),
-    select(id) {
-      if (id === selected) return;
-      selected = id;
+    select(ids) {
+      if (ids.join() === selected.join()) return;
+      selected = ids;
       fill();
       const chosenRow = body.querySelector<HTMLElement>('[aria-selected="true"]');
       if (!chosenRow) return;

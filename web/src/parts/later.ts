@@ -15,9 +15,10 @@ export function later<T>(ask: () => Promise<T>, build: (value: T) => Children): 
 }
 
 // An SVG of a job as a picture of a blob: nothing in it can run or load.
-export async function svgPicture(job: string, name: string, alt: string): Promise<HTMLImageElement> {
-  const bytes = await (await api.artifact(job, name)).arrayBuffer();
-  const image = el('img', {src: URL.createObjectURL(new Blob([bytes], {type: 'image/svg+xml'})), alt});
+export function pictureOf(svg: BlobPart, alt: string): HTMLImageElement {
+  const image = el('img', {src: URL.createObjectURL(new Blob([svg], {type: 'image/svg+xml'})), alt});
   image.addEventListener('load', () => URL.revokeObjectURL(image.src));
   return image;
 }
+export const svgPicture = async (job: string, name: string, alt: string): Promise<HTMLImageElement> =>
+  pictureOf(await (await api.artifact(job, name)).arrayBuffer(), alt);

@@ -5,6 +5,7 @@ import {announce} from '../state';
 import {fieldOf, idsOf, sameValue, settingOf, valueOf} from '../state/draft';
 import {currentLanguage, t, textIfKnown} from '../text';
 import {icon} from './icon';
+import {hasPictures, pictureChoice} from './picture-choice';
 import {joined, numberField, rangeText, typed} from './number-field';
 import {problemLine} from './problem';
 import {choiceOf, labelOf} from './words';
@@ -58,7 +59,7 @@ export function valueText(id: string, field: FieldSchema | undefined, value: unk
 
 interface Field {
   element: HTMLElement;
-  target: HTMLElement;     // what takes the focus
+  target(): HTMLElement;   // what takes the focus
   show(value: unknown): void;
   say(problem: ProblemBody | null): void;  // why the server refuses the value
 }
@@ -82,13 +83,13 @@ function build(id: string, schema: FieldSchema, options: SettingsFormOptions): F
     onclick: () => {
       change(schema.default);
       announce(t('settings.was_reset', {label}));
-      target.focus();
+      focused().focus();
     }}, icon('reset'));
   const below = el('p', {class: 'hint', id: hintId}, hint && hint !== label && [hint, el('br')], facts);
   const labelled = (control: HTMLElement): HTMLElement[] => [
     el('span', {class: 'label-row'}, el('label', {for: htmlId}, label), reset), below, control];
 
-  let target: HTMLElement;
+  let target: HTMLElement, focused = (): HTMLElement => target;
   let parts: HTMLElement[];
   let apply: (value: unknown) => void;
 
@@ -97,6 +98,13 @@ function build(id: string, schema: FieldSchema, options: SettingsFormOptions): F
     target = box;
     parts = [el('span', {class: 'label-row'}, el('label', {class: 'choice', for: htmlId}, box, label), reset), below];
     apply = (value) => { box.checked = value === true; };
+  } else if (schema.enum && hasPictures(id)) {
+    const choice = pictureChoice({id, name: htmlId, legend: el('legend', {class: 'label-row'}, label, reset), values: schema.enum,
+                                  describedBy: hintId, change});
+    target = choice.element;
+    focused = choice.target;
+    parts = [choice.element, below];
+    apply = (value) => choice.show(String(value));
   } else if (schema.enum) {
     const box = el('select', {id: htmlId, 'aria-describedby': hintId, onchange: () => change(box.value)},
       ...schema.enum.map((value) => el('option', {value}, value === 'auto' ? t('settings.automatic') : choiceOf(id, value))));
@@ -171,7 +179,7 @@ function build(id: string, schema: FieldSchema, options: SettingsFormOptions): F
   const refused = el('p', {class: 'fault', hidden: true});
   const element = el('div', {class: 'field setting', id: `${htmlId}-field`}, ...parts, refused);
   return {
-    element, target,
+    element, target: focused,
     say(problem) {
       replace(refused, problem && problemLine(problem));
       refused.hidden = !problem;
@@ -212,7 +220,7 @@ export function settingsForm(options: SettingsFormOptions): SettingsForm {
       field.element.hidden = false;
       for (let at: HTMLElement | null = field.element; at && at !== element; at = at.parentElement) at.hidden = false;
       field.element.scrollIntoView({block: 'center'});
-      field.target.focus({preventScroll: true});
+      field.target().focus({preventScroll: true});
       return true;
     },
   };

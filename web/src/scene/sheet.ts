@@ -1,9 +1,10 @@
 // The formed sheet in 3D: the print on it, heat maps, and what is marked on it.
-import {BufferAttribute, BufferGeometry, CanvasTexture, Color, DataTexture, DoubleSide, GLSL3, type Group, LinearFilter, LinearMipmapLinearFilter,
-        Matrix3, Mesh, NoColorSpace, ShaderMaterial, Texture, Vector3} from 'three';
+import {BufferAttribute, BufferGeometry, CanvasTexture, Color, DataTexture, DoubleSide, GLSL3, type Group, LinearFilter, Matrix3, Mesh,
+        NoColorSpace, ShaderMaterial, type Texture, Vector3} from 'three';
 import {coarse, picturePlace, type Formed} from '../read/formed';
 import type {Flat, HeatMap} from '../state/result';
 import {colourAt, noValue, touches, touchesNot} from './colour';
+import {drawnInk, picture, toSheet, type Paint} from './ink';
 import {Surface, type Point} from './measure';
 import {having, nearest, under, type Spot} from './pick';
 import {fragmentShader, kinds, vertexShader} from './sheet.glsl';
@@ -25,7 +26,8 @@ export interface Sheet {
   readonly picture: {size: [number, number]; origin: [number, number]};  // where the sheet lies on the pictures, see picturePlace
   show(what: Shown): void;
   // Draws on the sheet, in millimetres of sheet coordinates, t up. `onPrint`: not where it is shown as printed as drawn.
-  draw(paint: (context: CanvasRenderingContext2D) => void, onPrint: boolean): void;
+  draw(paint: Paint, onPrint: boolean): void;
+  ink(paint: Paint | null): void;  // what is printed, drawn in the same way; null: all of the print
   under(event?: {clientX: number; clientY: number}): Spot | null;  // without an event: at the centre of the view
   nearest(place: Point, onChart?: boolean): Spot;
   having(name: 'sheet' | 'pattern', value: Flat): Spot | null;  // on the chart
@@ -37,15 +39,6 @@ export interface Sheet {
 }
 
 const overlaySize = 1024;
-
-async function picture(blob: Blob): Promise<Texture> {
-  const texture = new Texture(await createImageBitmap(blob, {colorSpaceConversion: 'none', premultiplyAlpha: 'none'}));
-  texture.flipY = false;
-  texture.colorSpace = NoColorSpace;
-  texture.minFilter = LinearMipmapLinearFilter;
-  texture.needsUpdate = true;
-  return texture;
-}
 
 function ramp(map: HeatMap): DataTexture {
   const bytes = new Uint8Array(256 * 4);
@@ -66,6 +59,7 @@ function woven(...values: Float32Array[]): BufferAttribute {
 // `left`: on which side the patient's left is.
 export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide): Promise<Sheet> {
   const [printed, drawn] = await Promise.all([picture(formed.printed), picture(formed.drawn)]);
+  let ink: Texture = printed;
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(formed.positions, 3));
   geometry.setAttribute('normal', new BufferAttribute(formed.normals, 3));
@@ -86,7 +80,7 @@ export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide
   const uniforms = {
     kind: {value: 0}, overInk: {value: true}, cut: {value: 0}, onPrint: {value: false}, moved: {value: false}, place: {value: new Matrix3()}, range: {value: new Vector3()},
     outline: {value: new Color()}, noValue: {value: new Vector3(...noValue)}, touches: {value: new Vector3(...touches)},
-    touchesNot: {value: new Vector3(...touchesNot)}, printed: {value: printed}, drawn: {value: drawn}, ramp: {value: null as DataTexture | null},
+    touchesNot: {value: new Vector3(...touchesNot)}, printed: {value: printed as Texture}, drawn: {value: drawn}, ramp: {value: null as DataTexture | null},
     overlay: {value: overlay},
   };
   const material = new ShaderMaterial({uniforms, vertexShader, fragmentShader, glslVersion: GLSL3, side: DoubleSide});
@@ -126,7 +120,7 @@ export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide
   });
   viewer.on('quality', () => {
     geometry.setIndex(viewer.quality.coarse && rough ? rough : fine);
-    for (const texture of [printed, drawn]) {
+    for (const texture of new Set([ink, printed, drawn])) {
       if (texture.anisotropy >= viewer.quality.anisotropy) continue;  // each change sends the picture again
       texture.anisotropy = viewer.quality.anisotropy;
       texture.needsUpdate = true;
@@ -159,9 +153,14 @@ export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide
       if (!context) return;
       context.setTransform(1, 0, 0, 1, 0, 0);
       context.clearRect(0, 0, overlaySize, overlaySize);
-      context.setTransform(overlaySize / size[0], 0, 0, overlaySize / size[1], overlaySize * origin[0], overlaySize * origin[1]);
+      toSheet(context, {size, origin}, overlaySize, overlaySize);
       paint(context);
       overlay.needsUpdate = true;
+      viewer.invalidate();
+    },
+    ink(paint) {
+      if (ink !== printed) ink.dispose();
+      uniforms.printed.value = ink = paint ? drawnInk(printed, {size, origin}, paint) : printed;
       viewer.invalidate();
     },
     under(event) {

@@ -1,5 +1,6 @@
 // The result of a print: how it is looked at, its coils, and a drawing that is being moved.
 import type {Job} from '../api/types';
+import type {Circuits, Couplings} from './array';
 
 // ---- what is looked at; a link restores it ----
 
@@ -8,30 +9,37 @@ export type MapName = string;
 export const modes = ['with', 'drawn', 'split', 'side'] as const;
 export type Mode = (typeof modes)[number];
 
+export const tabs = ['part', 'sheet', 'build'] as const;
+export type Tab = (typeof tabs)[number];
+
 export interface ResultState {
-  tab: 'part' | 'sheet';
+  tab: Tab;
   map: MapName;
   mode: Mode;
   cut: number;        // split: share of the width that is printed as drawn
   isolines: boolean;
   coil: string;       // the selected one, or empty
+  other: string;      // the second one of a selected pair, or empty
+  hidden: readonly string[];  // the layers of the print that are not shown, by their names
   camera: string;     // as the view writes it, or empty
 }
 
 export const initialResult: ResultState =
-  {tab: 'part', map: 'print', mode: 'split', cut: 0.5, isolines: true, coil: '', camera: ''};
+  {tab: 'part', map: 'print', mode: 'split', cut: 0.5, isolines: true, coil: '', other: '', hidden: [], camera: ''};
 
 const oneOf = <T extends string>(all: readonly T[], value: string | null, other: T): T => all.find((one) => one === value) ?? other;
 
 export function resultOf(query: string): ResultState {
-  const given = new URLSearchParams(query), cut = Number(given.get('cut') ?? 50);
+  const given = new URLSearchParams(query), cut = Number(given.get('cut') ?? 50), coil = given.get('coil') ?? '';
   return {
-    tab: oneOf(['part', 'sheet'], given.get('tab'), 'part'),
+    tab: oneOf(tabs, given.get('tab'), 'part'),
     map: given.get('map') ?? 'print',
     mode: oneOf(modes, given.get('mode'), 'split'),
     cut: cut >= 0 && cut <= 100 ? cut / 100 : 0.5,
     isolines: given.get('lines') !== 'off',
-    coil: given.get('coil') ?? '',
+    coil,
+    other: coil && given.get('and') || '',
+    hidden: (given.get('hide') ?? '').split('_').filter((name) => /^print(-[a-z]+)*$/.test(name)).sort(),
     camera: given.get('view') ?? '',
   };
 }
@@ -45,9 +53,13 @@ export function queryOf(state: ResultState): string {
   else if (state.cut !== 0.5) given.set('cut', String(Math.round(100 * state.cut)));
   if (!state.isolines) given.set('lines', 'off');
   if (state.coil) given.set('coil', state.coil);
+  if (state.other) given.set('and', state.other);
+  if (state.hidden.length > 0) given.set('hide', state.hidden.join('_'));
   if (state.camera) given.set('view', state.camera);
   return given.toString();
 }
+
+export const selected = ({coil, other}: Pick<ResultState, 'coil' | 'other'>): string[] => [coil, other].filter(Boolean);
 
 // ---- report.json, as far as the result needs it (docs/reference/report.md) ----
 
@@ -105,6 +117,8 @@ export interface PrintReport {
   figures: {with: Way; without: Way};
   coils?: {id: string; drawn_diameter_mm: number; with?: CoilSide | null; without?: CoilSide | null}[];
   pairs?: {coils: [string, string]; with?: PairSide | null}[];
+  couplings?: Couplings | null;
+  circuits?: Circuits | null;
 }
 
 // ---- the table of coils ----

@@ -4,13 +4,17 @@ import {el, type Children} from '../dom';
 import type {Job} from '../api/types';
 import {coilTable} from '../parts/coil-table';
 import {store} from '../state';
-import {coilsOf, resultOf, type PrintReport} from '../state/result';
+import {couplingsOf} from '../state/array';
+import {coilsOf, resultOf, selected, tabs as tabNames, type PrintReport} from '../state/result';
 import {t} from '../text';
 import {follow, onEnd, View} from '../view';
 import {adjustView} from './result/adjust';
+import {buildView, isBuilt} from './result/build';
+import {couplingMap} from './result/coupling';
 import {keyFigures} from './result/figures';
+import {layersOfJob} from './result/layers';
 import {partView, setResult, type Model, type Part} from './result/part';
-import {printSheet} from './result/print-sheet';
+import {printSheet, type PrintSheet} from './result/print-sheet';
 
 export class ResultView extends View {
   #part: Part | null = null;
@@ -39,48 +43,56 @@ export class ResultView extends View {
   }
 
   #content(ends: (() => void)[]): Children {
-    const {job, report, model} = this, coils = coilsOf(report);
-    const part = this.#part = partView(job, report, model, coils, ends);
-    const table = coils.length > 0 ? coilTable(coils, ({id}) => {
-      const coil = store.get().result.coil === id ? '' : id;
-      setResult({coil});
+    const {job, report, model} = this, coils = coilsOf(report), couplings = couplingsOf(report), layers = layersOfJob(job, report);
+    const part = this.#part = partView(job, report, model, coils, layers, ends);
+    // Selecting what is selected selects nothing.
+    const select = (coil: string, other = ''): void => {
+      const now = store.get().result, off = now.coil === coil && now.other === other;
+      setResult(off ? {coil: '', other: ''} : {coil, other});
       const view = part.element.querySelector('.view3d-frame'), {top = 0, bottom = 0} = view?.getBoundingClientRect() ?? {};
-      if (coil && (top + bottom < 0 || top + bottom > 2 * innerHeight)) view?.scrollIntoView({block: 'nearest'});  // less than half is seen
-    }) : null;
+      if (!off && (top + bottom < 0 || top + bottom > 2 * innerHeight)) view?.scrollIntoView({block: 'nearest'});  // less than half is seen
+    };
+    const table = coils.length > 0 ? coilTable(coils, ({id}) => select(id)) : null;
+    const map = couplings && couplingMap(couplings, (pair) => select(...pair));
+    let sheet: PrintSheet | null = null;
     const stale = (now: boolean): void => void this.dispatchEvent(new CustomEvent('stale', {detail: {stale: now}, bubbles: true}));
     const panels = {
       part: el('div', {id: 'panel-part', role: 'tabpanel', 'aria-labelledby': 'tab-part', class: 'stack'},
         part.element,
         adjustView(job, report, part, stale),
-        table && el('section', {class: 'card'}, el('h3', null, t('result.coils')), table.element)),
+        table && el('section', {class: 'card'}, el('h3', null, t('result.coils')), table.element), map?.element),
       sheet: el('div', {id: 'panel-sheet', role: 'tabpanel', 'aria-labelledby': 'tab-sheet'}),
+      build: el('div', {id: 'panel-build', role: 'tabpanel', 'aria-labelledby': 'tab-build'}),
     };
-    const names = ['part', 'sheet'] as const;
+    const names = tabNames.filter((name) => name !== 'build' || isBuilt(report, layers));
     const tabs = names.map((name) => el('button', {
       type: 'button', role: 'tab', id: `tab-${name}`, 'aria-controls': `panel-${name}`, onclick: () => setResult({tab: name}),
       onkeydown: (event) => {
         if (event.key !== 'ArrowRight' && event.key !== 'ArrowLeft') return;
-        const other = names[1 - names.indexOf(name)] ?? 'part';
+        const other = names[(names.indexOf(name) + (event.key === 'ArrowRight' ? 1 : names.length - 1)) % names.length] ?? 'part';
         setResult({tab: other});
         document.getElementById(`tab-${other}`)?.focus();
       }}, t(`result.tab_${name}`)));
     const apply = (): void => {
-      const {tab, coil} = store.get().result;
+      const now = store.get().result, tab = names.includes(now.tab) ? now.tab : 'part';
       names.forEach((name, i) => {
         const chosen = name === tab;
         tabs[i]?.setAttribute('aria-selected', String(chosen));
         tabs[i]?.setAttribute('tabindex', chosen ? '0' : '-1');
         panels[name].hidden = !chosen;
       });
-      if (tab === 'sheet' && !panels.sheet.hasChildNodes()) panels.sheet.append(printSheet(job, report));
-      table?.select(coil);
+      if (tab === 'sheet' && !sheet) panels.sheet.append((sheet = printSheet(job, report, layers, (hidden) => setResult({hidden}))).element);
+      if (tab === 'build' && !panels.build.hasChildNodes()) panels.build.append(buildView(job, report, layers, (place) => this.showPlace(...place)));
+      sheet?.show(now.hidden);
+      table?.select(selected(now));
+      map?.select(selected(now));
     };
     apply();
     ends.push(store.subscribe(apply));
     return [
       keyFigures(report),
       el('div', {role: 'tablist', class: 'result-tabs', 'aria-label': t('result.tabs')}, ...tabs),
-      panels.part, panels.sheet];
+      ...names.map((name) => panels[name])];
   }
 }
 customElements.define('vf-result', ResultView);

@@ -17,6 +17,7 @@ import {cancelLayout, draft, keptFile, layout, makeLayout, onSideJob, removePatt
 
 export const patternTypes = ['.svg', '.svgz', '.dxf', '.png', '.jpg', '.jpeg'] as const;
 const placed = ['pattern.inked_face', 'pattern.width_mm', 'pattern.dpi', 'pattern.line_mm', 'pattern.rotate_deg', 'pattern.scale', 'pattern.offset_mm'];
+const built = ['coils.build', 'coils.gaps'];
 const arranged = ['layout.count', 'layout.diameter_mm', 'layout.region', 'layout.overlap'];
 
 export function sizeText(size: readonly [number, number]): string {
@@ -123,12 +124,14 @@ export function patternSection(schema: SettingsSchema): Children {
   const both = settingOf(now.form.settings, 'pattern.source') === 'both';
   const drawing = el('div', {hidden: arranging && !both || ofScan}, zone.element, refused);
   const array = 'layout' in schema.properties ? el('div', {hidden: !arranging || ofScan || both}, arrange(schema)) : null;
+  const crossing = el('div', {hidden: ofScan}, el('h3', null, t('new.build_array')), draftFields(schema, 'array', built).element);
   const source = (value: string, label: string, on: boolean): HTMLElement => el('label', {class: 'choice'},
     el('input', {type: 'radio', name: 'pattern-source', value, checked: on, onchange: () => {
       const colours = value === 'scan' || value === 'both';
       setSetting('pattern.source', colours ? value : undefined);
       drawing.hidden = value !== 'drawing' && value !== 'both';
       if (array) array.hidden = value !== 'array';
+      crossing.hidden = value === 'scan';
     }}), label);
   return [
     array && el('fieldset', null, el('legend', null, t('new.pattern_source')),
@@ -137,5 +140,5 @@ export function patternSection(schema: SettingsSchema): Children {
     drawing, array, transferLine('pattern'),
     live(({draft: {form, from}}) => [form.pattern, from, valueOf(schema, form.settings, 'pattern.width_mm'), valueOf(schema, form.settings, 'pattern.dpi'), form.settings['pattern']?.['source']] as const,
       () => !printsScan(draft()) && chosen(draft())),
-    el('h3', null, t('new.place_pattern')), draftFields(schema, 'pattern', placed).element];
+    crossing, el('h3', null, t('new.place_pattern')), draftFields(schema, 'pattern', placed).element];
 }

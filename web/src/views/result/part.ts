@@ -11,11 +11,13 @@ import {split} from '../../parts/split';
 import {readFormed} from '../../read/formed';
 import {toJob} from '../../route';
 import {announce, store} from '../../state';
-import {centreLines, modes, queryOf, type Coil, type HeatMap, type Line, type MapName, type PrintReport, type ResultState} from '../../state/result';
+import {centreLines, modes, queryOf, selected, type Coil, type HeatMap, type Line, type MapName, type PrintReport, type ResultState} from '../../state/result';
+import {wholeLines} from '../../state/ink';
 import {colourAt, css, marksOf, noValue, touches, touchesNot} from '../../scene/colour';
 import type {Sheet, Spot, Viewer} from '../../scene/sheet';
 import {number, t, withUnit} from '../../text';
 import {coilsAt, readings, readout, titleOfMap, valueOf} from './readout';
+import {allShown, layerList, paintInk, type Layers} from './layers';
 import {framed} from './picture';
 
 type Place = readonly [number, number, number];
@@ -34,6 +36,9 @@ export interface Part {
   // The next place that a person clicks or sets with M; null: there is nothing. undefined: it was cancelled.
   ask(words: string): Promise<Spot | null | undefined>;
 }
+
+const between = (places: readonly Place[]): Place =>
+  [0, 1, 2].map((k) => places.reduce((sum, place) => sum + place[k]! / places.length, 0)) as unknown as Place;
 
 export const setResult = (change: Partial<ResultState>): void => store.set((state) => ({result: {...state.result, ...change}}));
 
@@ -54,7 +59,7 @@ export function loadModel(job: Job): Model {
   return model;
 }
 
-export function partView(job: Job, report: PrintReport, model: Model, coils: readonly Coil[], ends: (() => void)[]): Part {
+export function partView(job: Job, report: PrintReport, model: Model, coils: readonly Coil[], layers: Layers, ends: (() => void)[]): Part {
   const identity = identityOf(job, report);
   const group = (name: string): Record<string, unknown> => job.settings[name] ?? {};
   const heatOf = (map: MapName): HeatMap | undefined => report.maps.find(({id}) => id === map);
@@ -97,7 +102,7 @@ export function partView(job: Job, report: PrintReport, model: Model, coils: rea
     change: (cut) => setResult({cut}),
   });
   const sideLabels = el('div', {class: 'side-labels'}, el('span', null, t('result.mode_drawn')), el('span', null, t('result.mode_with')));
-  const keysId = newId('result-keys');
+  const keysId = newId('result-keys'), layerFault = el('div');
 
   // ---- measuring
   const measured = el('p', {class: 'measured', role: 'status'});
@@ -129,7 +134,7 @@ export function partView(job: Job, report: PrintReport, model: Model, coils: rea
 
   // ---- what is marked on the sheet
   function paint(): void {
-    const {coil} = store.get().result;
+    const coils = selected(store.get().result);
     sheet?.draw((context) => {
       const style = getComputedStyle(host), accent = style.getPropertyValue('--mark').trim() || '#005eb8';
       const stroke = (trace: () => void, dashed = false): void => {
@@ -145,7 +150,7 @@ export function partView(job: Job, report: PrintReport, model: Model, coils: rea
       const along = (line: readonly (readonly [number, number])[]): void => line.forEach(([s, u], i) => i ? context.lineTo(s, u) : context.moveTo(s, u));
       const ring = ({sheet: [s, u]}: Spot, radius: number): void => stroke(() => context.arc(s, u, radius, 0, 7));
       context.lineJoin = context.lineCap = 'round';
-      if (coil && !place) stroke(() => lines.get(coil)?.forEach(along));
+      if (!place) for (const id of coils) stroke(() => lines.get(id)?.forEach(along));
       if (marked) for (const radius of [4, 9]) ring(marked, radius);
       if (way.length > 1) stroke(() => along(way), true);
       for (const point of points) ring(point, 1.6);
@@ -205,6 +210,15 @@ export function partView(job: Job, report: PrintReport, model: Model, coils: rea
     if (aloud) announce(rows.map(([name, value]) => `${name}: ${value}`).join('; '));
   }
 
+  // ---- the layers of the print
+  const list = layers.all.length > 0 ? layerList(layers, t('array.layers_part'), (hidden) => setResult({hidden})) : null;
+  async function showInk(): Promise<void> {
+    const {hidden} = store.get().result;
+    if (allShown(layers, {hidden})) return sheet?.ink(null);
+    const inks = await layers.inks();
+    if (!over && hidden.join() === store.get().result.hidden.join()) sheet?.ink((context) => paintInk(context, layers, inks, hidden));
+  }
+
   // ---- following the state
   function showLegend(shown: MapName): void {
     const heat = heatOf(shown);
@@ -242,11 +256,14 @@ export function partView(job: Job, report: PrintReport, model: Model, coils: rea
       map: shown, isolines: now.isolines, sideBySide: !moved && now.mode === 'side',
       cut: now.mode === 'drawn' ? 1 : now.mode === 'split' ? now.cut : 0, place});
     if (now.mode === 'split' && (before?.mode !== 'split' || before.cut !== now.cut)) divider.set(now.cut);
-    if (before && before.coil !== now.coil) {
+    if (before && selected(before).join() !== selected(now).join()) {
       paint();
-      const coil = coils.find(({id}) => id === now.coil);
-      if (coil && !still) sheet?.turnTo(coil.centre);
+      const chosen = coils.filter(({id}) => id === now.coil || id === now.other);
+      if (chosen.length > 0 && !still) sheet?.turnTo(between(chosen.map(({centre}) => centre)));
     }
+    list?.show(now.hidden);
+    if (sheet && before?.hidden.join() !== now.hidden.join())
+      void showInk().catch((error: unknown) => { replace(layerFault, problemBox(error, () => void showInk())); });
     if (before && before.camera !== now.camera && now.camera && viewer) viewer.camera = now.camera;
     viewer?.setSummary(summary(now));
     before = now;
@@ -341,8 +358,8 @@ export function partView(job: Job, report: PrintReport, model: Model, coils: rea
   // The centre lines come from the print itself; without them coils cannot be outlined.
   async function loadLines(): Promise<void> {
     if (coils.length === 0) return;
-    const svg = await (await api.artifact(job.id, 'print.svg')).text();
-    lines = centreLines(svg);
+    const names = layers.all.length > 0 ? layers.all.filter(({step}) => step !== 'dielectric').map(({name}) => name) : ['print'];
+    lines = wholeLines((await Promise.all(names.map(layers.text))).map(centreLines));
     paint();
   }
 
@@ -388,13 +405,13 @@ export function partView(job: Job, report: PrintReport, model: Model, coils: rea
   // Without turning the view: the coil is where the person clicked.
   function choose(id: string): void {
     still = true;
-    setResult({coil: id});
+    setResult({coil: id, other: ''});
     still = false;
   }
 
   const element = el('div', {class: 'result-part'},
     el('section', {class: 'card result-map'},
-      el('label', {for: 'result-map'}, t('result.map')), map, isolinesField, legendHost),
+      el('label', {for: 'result-map'}, t('result.map')), map, isolinesField, legendHost, list?.element, layerFault),
     el('div', {class: 'result-main'}, modeGroup, previewNote, question, host),
     el('div', {class: 'result-side'},
       reading.element,
