@@ -17,8 +17,8 @@ export type ArtifactName = 'print.png' | 'print.svg' | 'print.pdf' | 'print-diel
   'preview-shape.png' | 'preview-area.png' | 'preview-thickness.png' | 'preview-temperature.png' | 'preview-gap.png' |
   'preview-position.png' | 'preview-colour.png' | 'preview-segments.png' | 'preview-original.png' | 'preview-align.png'
   | 'preview-findings.png' | 'formed.ply' | 'formed.obj' | 'formed.mtl' | 'formed.glb' | 'uv-map.obj' | 'mold.stl' |
-  'coils.csv' | 'array.json' | 'array.nec' | 'array.ts' | 'array-marie.msh' | 'array-marie.json' | 'array.stl' |
-  'findings.json' | 'pattern.svg' | 'layout.json' | 'report.json' | 'report.html';
+  'layers.dxf' | 'coils.csv' | 'array.json' | 'array.nec' | 'array.ts' | 'array-marie.msh' | 'array-marie.json' |
+  'array.stl' | 'findings.json' | 'pattern.svg' | 'layout.json' | 'report.json' | 'report.html';
 
 export interface ProblemBody {
   type: string;
