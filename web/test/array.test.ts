@@ -62,7 +62,7 @@ test('arrow keys lead over the diagonal and not out of the table', () => {
 
 test('gaps come by number with their loop, face and place', () => {
   const gap = (number: number, port: boolean): Record<string, unknown> =>
-    ({number, port, drawn: false, wanted_pf: 20.31, standard_pf: port ? 0 : 20, place_mm: [1, -2, number]});
+    ({number, port, drawn: false, wanted_pf: 20.31, standard_pf: port ? 0 : 20, plate: null, place_mm: [1, -2, number]});
   const circuits = {coils: [{id: 'a', face: 'outer'}, {id: 'b', face: 'inner'}], electrical: {frequency_mhz: 127.74, loops: [
     {id: 'b', gaps: [gap(3, true), gap(4, false)]}, {id: 'a', gaps: [gap(1, true), gap(2, false)]}]}} as unknown as Circuits;
   const gaps = gapsOf({circuits});
@@ -71,6 +71,13 @@ test('gaps come by number with their loop, face and place', () => {
   assert.deepEqual(gaps[3]?.place, [1, -2, 4]);
   assert.deepEqual(gapsOf({circuits: {...circuits, electrical: null}}), []);
   assert.deepEqual(gapsOf({}), []);
+});
+
+test('a printed capacitor has what is printed, and its tolerance', () => {
+  const printed = {number: 2, port: false, drawn: false, wanted_pf: 3.56, standard_pf: null, plate: {pf: 3.48, tolerance: 0.05}, place_mm: [1, 2, 3]};
+  const circuits = {coils: [{id: 'a', face: 'outer'}], electrical: {frequency_mhz: 298.04, loops: [{id: 'a', gaps: [printed]}]}} as unknown as Circuits;
+  assert.deepEqual(gapsOf({circuits}).map(({value, tolerance}) => [value, tolerance]), [[3.48, 0.05]]);
+  assert.equal(gapsOf({circuits})[0]?.printed, true);
 });
 
 const page = (mirrored: boolean): string => `<?xml version="1.0"?>

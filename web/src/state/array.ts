@@ -80,7 +80,8 @@ interface GapFigures {
   port: boolean;
   drawn: boolean;
   wanted_pf: number;
-  standard_pf: number;  // 0: none is wanted
+  standard_pf: number | null;  // 0: none is wanted
+  plate: {pf: number; tolerance: number} | null;  // of a printed capacitor
   place_mm: [number, number, number];
 }
 // report.json, circuits
@@ -94,7 +95,9 @@ export interface Gap {
   loop: string;
   face: Face;
   port: boolean;
-  value: number;    // pF, of the row of standard values; 0: none
+  printed: boolean;
+  value: number;    // pF, of the row of standard values or as printed; 0: none
+  tolerance: number;  // of a printed value, as a share
   wanted: number;   // pF
   place: [number, number, number];  // mm, on the mold
 }
@@ -102,6 +105,6 @@ export interface Gap {
 export function gapsOf({circuits}: Pick<PrintReport, 'circuits'>): Gap[] {
   const faces = new Map(circuits?.coils.map(({id, face}) => [id, face]));
   return (circuits?.electrical?.loops ?? []).flatMap(({id, gaps}) => gaps.map((gap): Gap => ({
-    number: gap.number, loop: id, face: faces.get(id) ?? 'outer', port: gap.port, value: gap.standard_pf, wanted: gap.wanted_pf,
-    place: gap.place_mm}))).sort((a, b) => a.number - b.number);
+    number: gap.number, loop: id, face: faces.get(id) ?? 'outer', port: gap.port, printed: gap.plate !== null,
+    value: gap.plate?.pf ?? gap.standard_pf ?? 0, tolerance: gap.plate?.tolerance ?? 0, wanted: gap.wanted_pf, place: gap.place_mm}))).sort((a, b) => a.number - b.number);
 }

@@ -23,17 +23,19 @@ function layerStep(job: Job, layer: Layer): HTMLElement {
 }
 
 function checklist(job: Job, layers: readonly Layer[], gaps: readonly Gap[]): HTMLElement {
-  const ports = gaps.filter(({port}) => port).length;
+  const ports = gaps.filter(({port}) => port).length, printed = gaps.filter((gap) => gap.printed).length;
   const turn = (layer: Layer, i: number): Children =>
     layer.reverse && !layers[i - 1]?.reverse && el('li', null, el('strong', null, t('array.turn')), el('p', null, t('array.turn_how')));
   return el('ol', {class: 'build-steps'},
     layers.map((layer, i): Children => [turn(layer, i), layerStep(job, layer)]),
     el('li', null, el('strong', null, t('array.form')), el('p', null, t('array.form_how'))),
     gaps.length > 0 && el('li', null, el('strong', null, t('array.solder')),
-      el('p', null, t('array.solder_count', {capacitors: gaps.length - ports, ports}))));
+      el('p', null, t('array.solder_count', {capacitors: gaps.length - ports - printed, ports}))));
 }
 
 const pf = (value: number, digits?: number): string => value > 0 ? number(value, digits) : '–';
+const value = (gap: Gap): string => gap.printed ? `${pf(gap.value, 2)} ± ${number(gap.value * gap.tolerance, 2)}` : pf(gap.value);
+const part = ({port, printed}: Gap): string => t(port ? 'array.port' : printed ? 'array.printed' : 'array.capacitor');
 
 function gapTable(gaps: readonly Gap[], show: (gap: Gap) => void): {element: HTMLElement; select(number: number): void} {
   const rows = new Map<number, HTMLTableRowElement>();
@@ -41,8 +43,8 @@ function gapTable(gaps: readonly Gap[], show: (gap: Gap) => void): {element: HTM
     const row = el('tr', {'aria-selected': 'false', onclick: () => show(gap)},
       el('td', {class: 'tick'}, el('span', {class: 'tick-box'})),
       el('th', {scope: 'row', class: 'number'}, String(gap.number)), el('td', null, gap.loop), el('td', null, t(`array.face_${gap.face}`)),
-      el('td', null, t(gap.port ? 'array.port' : 'array.capacitor')),
-      el('td', {class: 'number'}, el('strong', null, pf(gap.value))), el('td', {class: 'number quiet'}, pf(gap.wanted, 2)),
+      el('td', null, part(gap)),
+      el('td', {class: 'number'}, el('strong', null, value(gap))), el('td', {class: 'number quiet'}, pf(gap.wanted, 2)),
       ...gap.place.map((mm) => el('td', {class: 'number'}, number(mm, 1).replace('-', '−'))),
       el('td', {class: 'no-paper'}, el('button', {type: 'button', class: 'plain icon-only', 'aria-label': t('array.show_gap', {number: gap.number}),
         title: t('array.show_gap', {number: gap.number})}, icon('view'))));
