@@ -16,7 +16,6 @@ Dielectric of_material(Material material) {
     case Material::petg:
       return {3.0, 0.02};
     case Material::pc:
-      return {2.9, 0.01};
     case Material::abs:
       return {2.9, 0.01};
     case Material::hips:
