@@ -252,6 +252,6 @@ test('how loops are parted is chosen by pictures with words, and the choice is i
 test('a print of one layer has no list of layers', async ({page, jobs}) => {
   await show(page, `#/jobs/${jobs.print}?hide=print`);
   await drawn(page);
-  assert.equal(await page.getByText('Layers of the print').count(), 0);
+  assert.equal(await page.getByText('Layers of the print', {exact: true}).count(), 0);
   assert.ok((await inks(page)).dark > 100, 'and nothing of it is hidden');
 });
