@@ -98,7 +98,9 @@ int gaps_for_frequency(double length_mm, double width_mm, double frequency_mhz) 
   const double inductance_nh = mu0_nh_mm * radius * (std::log(32 * radius / width_mm) - 2);
   const double parts = length_mm / (light_mm_mhz / frequency_mhz / 10);
   const double total_pf = inductance_nh > 0 ? 1e12 / (omega * omega * inductance_nh * 1e-9) : least_gap_pf;
-  return static_cast<int>(std::clamp(std::ceil(std::max(parts, least_gap_pf / total_pf)), 1.0, most));
+  constexpr double port_and_one = 2;
+  return static_cast<int>(
+      std::clamp(std::ceil(std::max(parts, least_gap_pf / total_pf)), port_and_one, most));
 }
 
 std::vector<double> places_for_gaps(double length, int count, double half, double port,

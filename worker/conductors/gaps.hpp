@@ -24,7 +24,8 @@ std::vector<Interval> drawn_gaps(const LoopPath& path, const Area& ink);
 std::vector<Interval> inked_parts(const LoopPath& path, const Area& ink);
 
 // How many gaps a loop needs: as few as leave parts of at most a tenth of a wavelength in air, and capacitors of at least
-// least_gap_pf, for the inductance of a circular strip of that length and width. At most 16, at least 1.
+// least_gap_pf, for the inductance of a circular strip of that length and width. At most 16, at least 2: the port and
+// one to tune.
 int gaps_for_frequency(double length_mm, double width_mm, double frequency_mhz);
 inline constexpr double least_gap_pf = 2;
 
