@@ -19,8 +19,9 @@ struct DrawnLayer {
 };
 
 // What a layer with that name is: a step (conductor, silver, copper, traces, print; dielectric, insulator; bridges, jumpers,
-// crossovers, second conductor), and a face if it is not the first (reverse, inner, outer), in any order and case, also
-// the names of the print's own files. Numbers of two digits say nothing. Nothing for every other name. Words may be parted by anything but letters and digits.
+// crossovers, second conductor), and a face if it is not the first (reverse, inner, outer), in any order and case; also the
+// names of the print's own files. Numbers of one or two digits say nothing. Words may be parted by anything but letters and
+// digits. Nothing for every other name.
 std::optional<DrawnLayer> drawn_layer(std::string_view name);
 
 }  // namespace vacuform

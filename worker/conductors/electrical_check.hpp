@@ -33,7 +33,7 @@ struct ElectricalCheck {
   std::vector<Place>
       close;  // circuits, by their first loops, nearer than the clearance on a layer, where they are nearest
 
-  // "coils-short", "coils-open", "coils-close"; each of a drawing with layers says so in its fix.
+  // "coils-short", "coils-open", "coils-close". The fix of shorts in a drawing with layers is about these.
   std::vector<Warning> warnings(const Drawing& drawing, double clearance_mm) const;
 };
 

@@ -99,16 +99,14 @@ class Reader {
     bool copied = false;  // by a <use>, which names what it copies
   };
 
-  // Without a dielectric below it a bridge is a part of the conductor.
+  // In a drawing without a dielectric a bridge is a part of the conductor.
   void join_bare_bridges() {
-    const auto parted = [&](DrawnFace face) {
-      return std::any_of(painted_.begin(), painted_.end(), [&](const PaintedShape& painted) {
-        return painted.shape.layer == DrawnLayer{PrintStep::dielectric, face};
-      });
-    };
+    const bool parted = std::any_of(painted_.begin(), painted_.end(), [](const PaintedShape& painted) {
+      return painted.shape.layer && painted.shape.layer->step == PrintStep::dielectric;
+    });
+    if (parted) return;
     for (PaintedShape& painted : painted_)
-      if (auto& layer = painted.shape.layer;
-          layer && layer->step == PrintStep::bridges && !parted(layer->face))
+      if (auto& layer = painted.shape.layer; layer && layer->step == PrintStep::bridges)
         layer->step = PrintStep::conductor;
   }
 
