@@ -11,7 +11,6 @@
 #include "worker/conductors/crossings.hpp"
 #include "worker/conductors/faces.hpp"
 #include "worker/conductors/interrupted.hpp"
-#include "worker/pattern/curve.hpp"
 #include "worker/pattern/drawn_loop.hpp"
 #include "worker/stage/index.hpp"
 
@@ -207,7 +206,9 @@ class Build {
       loop_of(b.under()).covered.push_back({b.along_under() - b.patch, b.along_under() + b.patch});
     }
     if (!layered_) return;
-    for (LaidLoop& loop : loops_) loop.covered = inked_parts(loop.trace->path(), ink_over(loop));
+    const std::array<Islands, 2> over{ink_over(0), ink_over(1)};
+    for (LaidLoop& loop : loops_)
+      loop.covered = inked_parts(loop.trace->path(), over[index(build_.faces[index(loop.element)])]);
   }
 
   void widen() {
@@ -247,20 +248,13 @@ class Build {
     return union_of(rings);
   }
 
-  // What the drawing prints over the conductors of a loop.
-  Area ink_over(const LaidLoop& loop) const {
-    const int face = build_.faces[index(loop.element)];
-    Eigen::AlignedBox2d around;
-    for (const Vector2d& p : loop.trace->path().points()) around.extend(p);
+  // What the drawing prints over the conductors of a face.
+  Islands ink_over(int face) const {
     std::vector<Ring> rings;
-    for (std::size_t i = 0; i < drawing_.elements.size(); ++i)
-      for (const Shape& shape : drawing_.elements[i].shapes) {
-        if (step_of(shape) == PrintStep::conductor || drawn_face(shape) != face) continue;
-        Eigen::AlignedBox2d box;
-        for (const Curve& curve : shape.curves) box.extend(box_of(curve));
-        if (box.intersects(around)) add_ink(shape, rings);
-      }
-    return union_of(rings);
+    for (const Element& element : drawing_.elements)
+      for (const Shape& shape : element.shapes)
+        if (step_of(shape) != PrintStep::conductor && drawn_face(shape) == face) add_ink(shape, rings);
+    return Islands(rings);
   }
 
   Drawing& layer(PrintStep step, int face) {

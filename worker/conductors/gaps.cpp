@@ -87,8 +87,8 @@ std::vector<Interval> drawn_gaps(const LoopPath& path, const Area& ink) {
   return parts_outside(path, [&](const Eigen::Vector2d& p) { return is_within(p, ink); });
 }
 
-std::vector<Interval> inked_parts(const LoopPath& path, const Area& ink) {
-  return parts_outside(path, [&](const Eigen::Vector2d& p) { return !is_within(p, ink); });
+std::vector<Interval> inked_parts(const LoopPath& path, const Islands& ink) {
+  return parts_outside(path, [&](const Eigen::Vector2d& p) { return ink.at(p) < 0; });
 }
 
 int gaps_for_frequency(double length_mm, double width_mm, double frequency_mhz) {

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "worker/conductors/islands.hpp"
 #include "worker/conductors/loop_path.hpp"
 #include "worker/pattern/area.hpp"
 
@@ -21,7 +22,7 @@ struct Interval {
 std::vector<Interval> drawn_gaps(const LoopPath& path, const Area& ink);
 
 // The parts of the trace whose middle has ink of `ink`, in the same way; none if all of it has.
-std::vector<Interval> inked_parts(const LoopPath& path, const Area& ink);
+std::vector<Interval> inked_parts(const LoopPath& path, const Islands& ink);
 
 // How many gaps a loop needs: as few as leave parts of at most a tenth of a wavelength in air, and capacitors of at least
 // least_gap_pf, for the inductance of a circular strip of that length and width. At most 16, at least 2: the port and

@@ -111,9 +111,12 @@ VectorPrint conductors_of(const Print& print, const ArrayBuild* build) {
   return out;
 }
 
-// What the elements of a layer leave of each other: white covers what is below.
+// What the elements of a layer leave of each other: white covers what is below. The work is limited: what is not taken away
+// may only make a circuit of two.
 std::vector<Ring> rings_of(const VectorPrint& vectors) {
   constexpr double tolerance_mm = 0.01;
+  constexpr std::size_t most_work = 5'000'000;  // comparisons, and points that white is taken away from
+  std::size_t work = 0;
   std::vector<std::pair<Area, Eigen::AlignedBox2d>> inked;
   const auto box_around = [](const Area& area) {
     Eigen::AlignedBox2d box;
@@ -128,8 +131,12 @@ std::vector<Ring> rings_of(const VectorPrint& vectors) {
       if (area.colour.ink() > 0) {
         inked.emplace_back(std::move(painted), box);
       } else if (area.colour.a == 1) {
-        for (auto& [below, around] : inked)
-          if (around.intersects(box)) below = difference(below, painted);
+        for (auto& [below, around] : inked) {
+          if (++work > most_work) break;
+          if (!around.intersects(box)) continue;
+          for (const Ring& ring : below) work += ring.size();
+          below = difference(below, painted);
+        }
       }
     }
   std::vector<Ring> rings;
