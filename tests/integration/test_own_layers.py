@@ -3,6 +3,9 @@ import json
 import math
 import unittest
 
+import ezdxf
+from shapely.geometry import LinearRing
+
 import made_scans
 from harness import Case, Server, curl, vacuform
 from test_circuits import Nets
@@ -147,6 +150,10 @@ class OwnLayers(Case):
         out, report = self.run_drawing("white.svg", text)
         circuits = report["circuits"]
         self.assertEqual((circuits["loops"], circuits["nets"], circuits["shorts"], circuits["opens"]), (2, 2, [], []))
+        # A CAD program sees no white: of the two rings only the whole one has a hole.
+        rings = [LinearRing([tuple(v.dxf.location)[:2] for v in p.vertices])
+                 for p in ezdxf.readfile(out / "layers.dxf").modelspace() if p.dxf.layer == "print"]
+        self.assertEqual(sum(not ring.is_ccw for ring in rings), 1)
 
     def test_a_pale_layer_is_full_ink(self):
         text = with_bridges().replace('inkscape:label="dielectric"', 'inkscape:label="dielectric" opacity="0.4"')

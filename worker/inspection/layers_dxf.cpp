@@ -1,6 +1,7 @@
 #include "worker/inspection/layers_dxf.hpp"
 
 #include "api/base/decimal.hpp"
+#include "worker/printing/inked_rings.hpp"
 
 namespace vacuform {
 
@@ -69,12 +70,8 @@ std::string layers_dxf(const Finished& job) {
   dxf.end();
   dxf.begin("ENTITIES");
   for (const Layer& layer : job.print.layers) {
-    if (!layer.source->vectors()) continue;
-    for (const PrintedElement& element : layer.source->vectors()->elements)
-      for (const PaintedArea& area : element.areas)
-        if (area.colour.ink() > 0)
-          for (const Ring& ring : fill_area(area.outlines, area.even_odd, 0.005))
-            add_ring(dxf, ring, layer.name);
+    if (const VectorPrint* const vectors = layer.source->vectors())
+      for (const Ring& ring : inked_rings(*vectors, 0.005)) add_ring(dxf, ring, layer.name);
   }
   dxf.end();
   return dxf.text();

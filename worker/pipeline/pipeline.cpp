@@ -1,9 +1,6 @@
 #include "worker/pipeline/pipeline.hpp"
 
-#include <Eigen/Geometry>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "api/base/sha256.hpp"
 #include "api/job_inputs.hpp"
@@ -18,6 +15,7 @@
 #include "worker/pipeline/laid_pattern.hpp"
 #include "worker/pipeline/print_progress.hpp"
 #include "worker/pipeline/scan_inspection.hpp"
+#include "worker/printing/inked_rings.hpp"
 #include "worker/stage/parallel.hpp"
 
 namespace vacuform {
@@ -111,45 +109,12 @@ VectorPrint conductors_of(const Print& print, const ArrayBuild* build) {
   return out;
 }
 
-// What the elements of a layer leave of each other: white covers what is below. The work is limited: what is not taken away
-// may only make a circuit of two.
-std::vector<Ring> rings_of(const VectorPrint& vectors) {
-  constexpr double tolerance_mm = 0.01;
-  constexpr std::size_t most_work = 5'000'000;  // comparisons, and points that white is taken away from
-  std::size_t work = 0;
-  std::vector<std::pair<Area, Eigen::AlignedBox2d>> inked;
-  const auto box_around = [](const Area& area) {
-    Eigen::AlignedBox2d box;
-    for (const Ring& ring : area)
-      for (const Eigen::Vector2d& p : ring) box.extend(p);
-    return box;
-  };
-  for (const PrintedElement& element : vectors.elements)
-    for (const PaintedArea& area : element.areas) {
-      Area painted = fill_area(area.outlines, area.even_odd, tolerance_mm);
-      const Eigen::AlignedBox2d box = box_around(painted);
-      if (area.colour.ink() > 0) {
-        inked.emplace_back(std::move(painted), box);
-      } else if (area.colour.a == 1) {
-        for (auto& [below, around] : inked) {
-          if (++work > most_work) break;
-          if (!around.intersects(box)) continue;
-          for (const Ring& ring : below) work += ring.size();
-          below = difference(below, painted);
-        }
-      }
-    }
-  std::vector<Ring> rings;
-  for (auto& [area, box] : inked) std::move(area.begin(), area.end(), std::back_inserter(rings));
-  return rings;
-}
-
 std::vector<PrintedInk> ink_of(const Print& print) {
   std::vector<PrintedInk> out;
   for (const Layer& layer : print.layers)
     if (const VectorPrint* const vectors = layer.source->vectors())
       out.push_back({layer.step.value_or(PrintStep::conductor), layer.face == print.main().face ? 0 : 1,
-                     rings_of(*vectors)});
+                     inked_rings(*vectors, 0.01)});
   return out;
 }
 
