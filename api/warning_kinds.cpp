@@ -15,7 +15,7 @@ constexpr WarningKind kinds[] = {
      "Set a smaller coils.bridge_overlap_mm or coils.patch_margin_mm, or coils.build=two_faces, or draw "
      "larger loops."},
     {"capacitors-small", Severity::warning,
-     "A loop wants capacitors of less than 2 pF: those of the cables and of the head detune it.",
+     "A loop needs capacitors of less than 2 pF: those of the cables and of the head detune it.",
      "Set more coils.gaps or coils.gap_rule=frequency, or draw smaller loops."},
     {"clamp-narrow", Severity::warning,
      "The clamp frame holds only a narrow border of the sheet, which may slip.",

@@ -227,7 +227,7 @@ class Layout {
     if (small == 0) return;
     warning.text = std::to_string(small) +
                    " printed capacitors have no room for what tunes their loops: the smallest has " +
-                   decimal(100 * least, 0) + " % of it, and wants " + decimal(wanted_mm2, 0) +
+                   decimal(100 * least, 0) + " % of it, and needs " + decimal(wanted_mm2, 0) +
                    " mm2 on each side of its gap";
     warning.figure = Warning::Figure{100 * least, "%", 98};
     out_.warnings.push_back(std::move(warning));
