@@ -2,7 +2,7 @@
 
 #include "tests/real/real_scans.hpp"
 
-namespace vacuform {
+namespace vacuform::both_integrators_test {
 namespace {
 
 TEST(RealScans, BothIntegratorsFormTheSameNeonate) {
@@ -13,4 +13,4 @@ TEST(RealScans, BothIntegratorsFormTheSameNeonate) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::both_integrators_test

@@ -9,7 +9,7 @@
 #include "worker/scan/mold.hpp"
 #include "worker/scan/scan_file.hpp"
 
-namespace vacuform {
+namespace vacuform::cases_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -134,4 +134,4 @@ TEST(Cases, ColoursAreThoseThatTheFileMeans) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::cases_test

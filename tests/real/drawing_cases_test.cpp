@@ -9,7 +9,7 @@
 #include "worker/pattern/drawing.hpp"
 #include "worker/pattern/ink_checks.hpp"
 
-namespace vacuform {
+namespace vacuform::drawing_cases_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -70,4 +70,4 @@ TEST(DrawingCases, AreAskedAboutWhereNobodyKnows) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::drawing_cases_test

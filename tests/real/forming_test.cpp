@@ -9,7 +9,7 @@
 #include "worker/scan/plug.hpp"
 #include "worker/surface/plane_locator.hpp"
 
-namespace vacuform {
+namespace vacuform::forming_test {
 namespace {
 
 FormedSheet formed_over(const Mold& mold, const MachineSettings& machine,
@@ -105,4 +105,4 @@ TEST_P(RealPrint, TurnsWithTheHead) {
 INSTANTIATE_TEST_SUITE_P(All, RealPrint, testing::Values("neonate-40w.stl", "adult-scalp-ascii.ply"));
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::forming_test

@@ -10,7 +10,7 @@
 #include "worker/flattening/flattening.hpp"
 #include "worker/forming/inked_face.hpp"
 
-namespace vacuform {
+namespace vacuform::layouts_test {
 namespace {
 
 struct Case {
@@ -70,4 +70,4 @@ INSTANTIATE_TEST_SUITE_P(Heads, RealLayouts,
                                          Case{"neonate-40w.stl", 24, 0.012, 0.01, 0.03, 0.5}));
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::layouts_test

@@ -2,7 +2,7 @@
 
 #include "tests/real/real_scans.hpp"
 
-namespace vacuform {
+namespace vacuform::offsets_test {
 namespace {
 
 TEST(RealScans, OffsetsAreAsLongAsAsked) {
@@ -15,4 +15,4 @@ TEST(RealScans, OffsetsAreAsLongAsAsked) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::offsets_test

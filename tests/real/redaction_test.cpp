@@ -11,7 +11,7 @@
 #include "worker/pattern/drawing.hpp"
 #include "worker/scan/scan_file.hpp"
 
-namespace vacuform {
+namespace vacuform::redaction_test {
 namespace {
 
 std::vector<std::filesystem::path> files_of(const char* folder) {
@@ -109,4 +109,4 @@ TEST(RealRedaction, LeavesEveryDrawingAsItIs) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::redaction_test

@@ -2,7 +2,7 @@
 
 #include "tests/real/real_scans.hpp"
 
-namespace vacuform {
+namespace vacuform::round_trip_test {
 namespace {
 
 TEST(RealScans, RingsOnTheNeonateComeOutRound) {
@@ -11,4 +11,4 @@ TEST(RealScans, RingsOnTheNeonateComeOutRound) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::round_trip_test

@@ -6,7 +6,7 @@
 #include "worker/scan/mold.hpp"
 #include "worker/scan/scan_file.hpp"
 
-namespace vacuform {
+namespace vacuform::scan_test {
 namespace {
 
 struct Expected {
@@ -142,4 +142,4 @@ TEST(RealScans, AClearanceGrowsTheNeonateOnAllSides) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::scan_test

@@ -9,6 +9,7 @@
 #include "api/base/text.hpp"
 #include "worker/pattern/area.hpp"
 #include "worker/pattern/curve.hpp"
+#include "worker/pattern/pieces.hpp"
 #include "worker/pattern/sorting.hpp"
 #include "worker/pattern/svg_shape.hpp"
 

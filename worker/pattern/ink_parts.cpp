@@ -7,6 +7,7 @@
 #include "worker/numerics/disjoint_sets.hpp"
 #include "worker/numerics/plane.hpp"
 #include "worker/pattern/curve.hpp"
+#include "worker/pattern/pieces.hpp"
 
 namespace vacuform {
 

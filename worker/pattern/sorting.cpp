@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -10,11 +9,12 @@
 #include <set>
 
 #include "worker/numerics/disjoint_sets.hpp"
-#include "worker/numerics/plane.hpp"
 #include "worker/pattern/area.hpp"
 #include "worker/pattern/clipping.hpp"
+#include "worker/pattern/coil_grid.hpp"
 #include "worker/pattern/curve.hpp"
 #include "worker/pattern/drawn_loop.hpp"
+#include "worker/pattern/pieces.hpp"
 #include "worker/stage/index.hpp"
 
 namespace vacuform {
@@ -27,7 +27,6 @@ using Polyline = std::vector<Vector2d>;
 
 constexpr double small_mm = 4,
                  small_share = 0.25;  // radius of a loop that may be a mark; of that of its coil
-constexpr double nearly_mm = 0.25;    // what lies this near to a trace touches it
 constexpr double within = 0.9;        // of a piece, for it to lie in a coil
 constexpr double most_reach = 1.5, more_reach_mm = 5;   // that a mark reaches, against its coil
 constexpr double group_reach = 3, group_reach_mm = 20;  // that a mark in a group of its own coil reaches
@@ -37,28 +36,7 @@ constexpr std::size_t most_coils = 1024, most_sorted = 256;
 constexpr std::size_t most_split = 2000;  // curves of a fill that are compared with each other
 constexpr double fine_mm = 0.002;
 
-// A line that runs back on itself fills nothing.
-bool has_filled(const Shape& s) {
-  if (!s.fill || !(s.fill->ink() > 0)) return false;
-  return std::any_of(s.curves.begin(), s.curves.end(), [](const Curve& curve) {
-    double twice = 0, most = 0;
-    for (std::size_t i = 0; i < curve.points.size(); ++i) {
-      const Vector2d p = curve.points[i] - curve.points.front();
-      const double area = cross(p, curve.points[(i + 1) % curve.points.size()] - curve.points.front());
-      twice += area, most = std::max(most, std::abs(area));
-    }
-    return std::max(std::abs(twice), most) > 1e-9;
-  });
-}
-bool has_stroked(const Shape& s) { return s.stroke && s.stroke->colour.ink() > 0; }
-
 double radius_of(double area_mm2) { return std::sqrt(area_mm2 / M_PI); }
-
-AlignedBox2d box_of_shape(const Shape& shape) {
-  AlignedBox2d box;
-  for (const Curve& curve : shape.curves) box.extend(box_of(curve));
-  return box;
-}
 
 AlignedBox2d box_of_line(const Polyline& line) {
   AlignedBox2d box;
@@ -80,115 +58,6 @@ struct Loop {
   std::vector<int> pieces;
   Vector2d centre{0, 0};
   double reach_mm = 0;  // from the centre
-};
-
-// The coils on a grid: which of them have their trace at a place, and in which it lies.
-class Owners {
- public:
-  static constexpr int none = -1;
-
-  explicit Owners(const AlignedBox2d& box) : low_(box.min() - Vector2d::Constant(2)) {
-    const Vector2d size = box.sizes() + Vector2d::Constant(4);
-    step_ = std::max(0.25, std::sqrt(size.prod() / 4e6));
-    columns_ = static_cast<int>(size.x() / step_) + 1;
-    rows_ = static_cast<int>(size.y() / step_) + 1;
-    cells_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
-  }
-
-  void add(int coil, const Loop& loop) {
-    add_trace(coil, loop.loop);
-    add_inside(coil, loop);
-  }
-
-  // At most two coils whose traces are there.
-  std::array<int, 2> touched(const Vector2d& at) const {
-    const Cell* cell = find(at);
-    return cell ? cell->trace : std::array{none, none};
-  }
-  // The coil in which the place lies; of several, the one whose centre is nearest, against its size.
-  int inside(const Vector2d& at) const {
-    const Cell* cell = find(at);
-    return cell ? cell->inside : none;
-  }
-
- private:
-  struct Cell {
-    std::array<int, 2> trace{none, none};
-    int inside = none;
-    float off = 0;  // of the place from the centre, in radii
-  };
-
-  const Cell* find(const Vector2d& at) const {
-    const Vector2d c = (at - low_) / step_;
-    if (!(c.minCoeff() >= 0 && c.x() < columns_ && c.y() < rows_)) return nullptr;
-    return &cells_[index_of(static_cast<int>(c.x()), static_cast<int>(c.y()))];
-  }
-  std::size_t index_of(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x);
-  }
-  Vector2d middle(int x, int y) const { return low_ + step_ * Vector2d(x + 0.5, y + 0.5); }
-
-  void add_trace(int coil, const DrawnLoop& loop) {
-    const double reach = loop.width_mm / 2 + std::max(nearly_mm, 0.75 * step_);
-    for (std::size_t i = 0; i < loop.line.size(); ++i) {
-      const Vector2d &a = loop.line[i], ab = loop.line[(i + 1) % loop.line.size()] - a;
-      const AlignedBox2d box = [&] {
-        AlignedBox2d out(a);
-        out.extend(a + ab);
-        return AlignedBox2d(out.min() - Vector2d::Constant(reach), out.max() + Vector2d::Constant(reach));
-      }();
-      over(box, [&](int x, int y) {
-        const Vector2d p = middle(x, y) - a;
-        const double square = ab.squaredNorm();
-        const double t = square > 0 ? std::clamp(p.dot(ab) / square, 0.0, 1.0) : 0;
-        if ((p - t * ab).norm() > reach) return;
-        auto& trace = cells_[index_of(x, y)].trace;
-        if (trace[0] == coil || trace[1] == coil) return;
-        (trace[0] == none ? trace[0] : trace[1]) = coil;
-      });
-    }
-  }
-
-  void add_inside(int coil, const Loop& loop) {
-    const Polyline& line = loop.loop.line;
-    const double radius = radius_of(loop.loop.area_mm2);
-    const AlignedBox2d box = box_of_line(line);
-    std::vector<double> crossings;
-    const int top = std::min(rows_ - 1, static_cast<int>((box.max().y() - low_.y()) / step_));
-    for (int y = std::max(0, static_cast<int>((box.min().y() - low_.y()) / step_)); y <= top; ++y) {
-      const double level = middle(0, y).y();
-      crossings.clear();
-      for (std::size_t i = 0; i < line.size(); ++i) {
-        const Vector2d &a = line[i], &b = line[(i + 1) % line.size()];
-        if ((a.y() > level) != (b.y() > level))
-          crossings.push_back(a.x() + (b.x() - a.x()) * (level - a.y()) / (b.y() - a.y()));
-      }
-      std::sort(crossings.begin(), crossings.end());
-      for (std::size_t k = 0; k + 1 < crossings.size(); k += 2) {
-        const int last = std::min(columns_ - 1, static_cast<int>((crossings[k + 1] - low_.x()) / step_));
-        for (int x = std::max(0, static_cast<int>((crossings[k] - low_.x()) / step_)); x <= last; ++x) {
-          Cell& cell = cells_[index_of(x, y)];
-          const auto off = static_cast<float>((middle(x, y) - loop.centre).norm() / radius);
-          if (cell.inside == none || off < cell.off) cell.inside = coil, cell.off = off;
-        }
-      }
-    }
-  }
-
-  template <class Do>
-  void over(const AlignedBox2d& box, const Do& act) const {
-    const Vector2d from = (box.min() - low_) / step_, to = (box.max() - low_) / step_;
-    for (int y = std::max(0, static_cast<int>(from.y())); y <= std::min(rows_ - 1, static_cast<int>(to.y()));
-         ++y)
-      for (int x = std::max(0, static_cast<int>(from.x()));
-           x <= std::min(columns_ - 1, static_cast<int>(to.x())); ++x)
-        act(x, y);
-  }
-
-  Vector2d low_;
-  double step_;
-  int columns_, rows_;
-  std::vector<Cell> cells_;
 };
 
 class Sorting {
@@ -318,7 +187,7 @@ class Sorting {
                      [](const Loop& a, const Loop& b) { return a.loop.area_mm2 > b.loop.area_mm2; });
     AlignedBox2d box;
     for (const Loop& loop : loops_) box.extend(box_of_line(loop.loop.line));
-    owners_.emplace(box);
+    grid_.emplace(box);
     for (Loop& loop : loops_) {
       if (coils_.size() > most_coils) return;
       const int host = host_of(loop);
@@ -327,7 +196,7 @@ class Sorting {
         if (of_piece_[i] == none) of_piece_[i] = coil;
       if (host != none) continue;
       share_centre(loop);
-      owners_->add(coil, loop);
+      grid_->add(coil, loop.loop, loop.centre);
       coils_.push_back(std::move(loop));
     }
   }
@@ -346,9 +215,9 @@ class Sorting {
   int host_of(const Loop& loop) const {
     std::map<int, std::size_t> on_trace, in;
     for (const Vector2d& p : loop.loop.line) {
-      for (const int coil : owners_->touched(p))
+      for (const int coil : grid_->touched(p))
         if (coil != none) ++on_trace[coil];
-      if (const int coil = owners_->inside(p); coil != none) ++in[coil];
+      if (const int coil = grid_->inside(p); coil != none) ++in[coil];
     }
     const auto all = static_cast<double>(loop.loop.line.size());
     for (const auto& [coil, points] : on_trace)
@@ -380,13 +249,13 @@ class Sorting {
   }
 
   int coil_of_mark(int i, const std::vector<int>& coils_of) const {
-    if (!owners_) return none;
+    if (!grid_) return none;
     const Polyline& points = points_[i];
     std::map<int, std::size_t> on_trace, in;
     for (const Vector2d& p : points) {
-      for (const int coil : owners_->touched(p))
+      for (const int coil : grid_->touched(p))
         if (coil != none) ++on_trace[coil];
-      if (const int coil = owners_->inside(p); coil != none) ++in[coil];
+      if (const int coil = grid_->inside(p); coil != none) ++in[coil];
     }
     if (joins_two(i)) return none;
     const auto near = [&](int coil, double factor, double more_mm) {
@@ -417,7 +286,7 @@ class Sorting {
     if (!stroked_[i]) return false;
     for (const Curve& curve : shape(i).curves) {
       if (curve.closed || curve.points.empty()) continue;
-      const auto from = owners_->touched(curve.points.front()), to = owners_->touched(curve.points.back());
+      const auto from = grid_->touched(curve.points.front()), to = grid_->touched(curve.points.back());
       if (from[0] == none || to[0] == none) continue;
       const bool shared = std::any_of(from.begin(), from.end(), [&](int coil) {
         return coil != none && (coil == to[0] || coil == to[1]);
@@ -432,7 +301,7 @@ class Sorting {
     DisjointSets sets(pieces_.size());
     std::vector<int> left;
     for (int i = 0; i < count(); ++i)
-      if (of_piece_[i] == none && inked(i) && !(owners_ && joins_two(i))) left.push_back(i);
+      if (of_piece_[i] == none && inked(i) && !(grid_ && joins_two(i))) left.push_back(i);
     // Groups without a coil, the largest that is small enough.
     std::vector<AlignedBox2d> of_node(nodes_.size());
     for (const int i : left)
@@ -588,70 +457,15 @@ class Sorting {
   std::vector<Loop> loops_, coils_;
   std::vector<Figure> figures_;
   std::vector<int> of_piece_;  // coils, then figures
-  std::optional<Owners> owners_;
+  std::optional<CoilGrid> grid_;
   std::size_t whites_tried_ = 0;
 };
-
-// The curves of a fill in groups that do not touch each other's boxes.
-std::vector<std::vector<std::size_t>> apart(const std::vector<Curve>& curves) {
-  DisjointSets sets(curves.size());
-  std::vector<AlignedBox2d> boxes;
-  for (const Curve& curve : curves) boxes.push_back(box_of(curve));
-  for (std::size_t a = 0; a < curves.size(); ++a)
-    for (std::size_t b = a + 1; b < curves.size(); ++b)
-      if (boxes[a].intersects(boxes[b])) sets.join(static_cast<int>(a), static_cast<int>(b));
-  std::map<int, std::vector<std::size_t>> groups;
-  for (std::size_t i = 0; i < curves.size(); ++i) groups[sets.root(static_cast<int>(i))].push_back(i);
-  std::vector<std::vector<std::size_t>> out;
-  for (auto& [root, group] : groups) out.push_back(std::move(group));
-  return out;
-}
 
 }  // namespace
 
 std::vector<SortedElement> sort_into_elements(const std::vector<PaintedShape>& pieces,
                                               const std::vector<FileNode>& nodes) {
   return Sorting(pieces, nodes).sort();
-}
-
-std::vector<Shape> pieces_of(Shape shape) {
-  if (shape.curves.size() < 2) return {std::move(shape)};
-  std::vector<Shape> out;
-  if (shape.fill) {
-    Shape fill = shape;
-    fill.stroke.reset();
-    if (fill.curves.size() > most_split) {
-      out.push_back(std::move(fill));
-    } else {
-      for (const auto& group : apart(shape.curves)) {
-        fill.curves.clear();
-        for (const std::size_t i : group) fill.curves.push_back(shape.curves[i]);
-        out.push_back(fill);
-      }
-    }
-  }
-  if (!shape.stroke) return out;
-  shape.fill.reset();
-  if (shape.stroke->colour.a < 1) {
-    out.push_back(std::move(shape));
-    return out;
-  }
-  std::vector<Curve> curves = std::move(shape.curves);
-  for (Curve& curve : curves) {
-    shape.curves = {std::move(curve)};
-    out.push_back(shape);
-  }
-  return out;
-}
-
-double ink_mm2(const Shape& shape) {
-  Area area;
-  if (has_filled(shape)) area = fill_area(shape.curves, shape.even_odd, fine_mm);
-  if (has_stroked(shape)) {
-    const Area line = stroke_area(shape.curves, *shape.stroke, fine_mm);
-    area.insert(area.end(), line.begin(), line.end());
-  }
-  return area.empty() ? 0 : square_mm(union_of(area));
 }
 
 std::vector<Element> with_shapes(std::vector<SortedElement> sorted, std::vector<PaintedShape> pieces) {

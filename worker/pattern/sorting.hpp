@@ -28,7 +28,7 @@ struct FileNode {
   std::optional<CoilPlace> place = {};
 };
 
-// A shape as it was painted. Its curves are one piece: those of several are split by pieces_of().
+// A shape as it was painted. Its curves are one piece: those of several are split by pieces_of() (pieces.hpp).
 struct PaintedShape {
   Shape shape;
   int node = -1;  // that holds it, or that it is
@@ -48,13 +48,6 @@ struct SortedElement {
 // where the file has none. Deterministic; O(n log n) for n points of curves.
 std::vector<SortedElement> sort_into_elements(const std::vector<PaintedShape>& pieces,
                                               const std::vector<FileNode>& nodes);
-
-// The curves of a shape that may be painted one after the other without a change: those of an opaque stroke, and the
-// parts of a fill that do not lie in each other.
-std::vector<Shape> pieces_of(Shape shape);
-
-// What a shape covers with ink.
-double ink_mm2(const Shape& shape);
 
 // The elements with their shapes, and what is in no element between them, in the order of painting.
 std::vector<Element> with_shapes(std::vector<SortedElement> sorted, std::vector<PaintedShape> pieces);

@@ -5,7 +5,7 @@
 #include "tests/unit/fixtures/coils_shapes.hpp"
 #include "worker/coils/coupled_neighbours.hpp"
 
-namespace vacuform {
+namespace vacuform::array_layout_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -184,4 +184,4 @@ TEST_F(EditedLayout, SaysThatItWasMadeForAnotherHead) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::array_layout_test

@@ -8,7 +8,7 @@
 #include "worker/coils/array_starts.hpp"
 #include "worker/coils/inductance.hpp"
 
-namespace vacuform {
+namespace vacuform::array_relaxation_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -106,4 +106,4 @@ TEST(Relaxation, KeepsTheArrayAboutItsMiddle) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::array_relaxation_test

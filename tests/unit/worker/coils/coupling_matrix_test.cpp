@@ -8,7 +8,7 @@
 
 #include "worker/coils/inductance.hpp"
 
-namespace vacuform {
+namespace vacuform::coupling_matrix_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -105,4 +105,4 @@ TEST(CouplingMatrix, LeavesOutWhatHasNoInductanceAndCanBeCancelled) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::coupling_matrix_test

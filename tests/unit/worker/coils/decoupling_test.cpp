@@ -9,7 +9,7 @@
 #include "worker/coils/coupled_neighbours.hpp"
 #include "worker/placement/placement.hpp"
 
-namespace vacuform {
+namespace vacuform::decoupling_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -195,4 +195,4 @@ TEST(Decoupling, LeavesMoreLoopsThanItTakesWhereTheyAreAndSaysSo) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::decoupling_test

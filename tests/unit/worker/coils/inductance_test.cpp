@@ -8,7 +8,7 @@
 #include <functional>
 #include <vector>
 
-namespace vacuform {
+namespace vacuform::inductance_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -84,4 +84,4 @@ TEST(Inductance, CrossingAndTouchingLoopsHaveAFiniteValueThatHardlyHangsOnTheGap
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::inductance_test

@@ -6,6 +6,7 @@
 
 #include "tests/unit/fixtures/coils_shapes.hpp"
 #include "worker/conductors/interrupted.hpp"
+#include "worker/pattern/pieces.hpp"
 
 namespace vacuform {
 namespace {

@@ -7,6 +7,7 @@
 #include "tests/unit/fixtures/coils_shapes.hpp"
 #include "worker/conductors/array_build.hpp"
 #include "worker/electrical/sheet_dielectric.hpp"
+#include "worker/pattern/pieces.hpp"
 
 namespace vacuform {
 namespace {

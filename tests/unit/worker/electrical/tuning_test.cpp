@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
 #include <cmath>
 #include <complex>
+#include <numbers>
+#include <vector>
+
+#include "worker/coils/inductance.hpp"
 
 namespace vacuform {
 namespace {
@@ -40,6 +45,23 @@ TEST(Tuning, MatchingBringsTheLoopToThePort) {
   EXPECT_NEAR(seen.imag(), 0, 1e-6);
   EXPECT_EQ(match(178.2, 60, 50, f).port_pf, 0);
   EXPECT_DOUBLE_EQ(match(178.2, 60, 50, f).series_pf, tuning_pf(178.2, f));
+}
+
+// A tutorial of a full-wave program (openEMS, MRI_Loop_Coil.py): a loop of 80 x 60 mm outside and 5 mm strip with three
+// capacitors of 5.4 pF resonates at 298 MHz.
+TEST(Tuning, AgreesWithAFullWaveProgram) {
+  const double width = 75, height = 55, pf = 5.4 / 3;
+  std::vector<Eigen::Vector3d> line;
+  for (double s = 0; s < 2 * (width + height); s += 1)
+    line.push_back(s < width                ? Eigen::Vector3d(s, 0, 0)
+                   : s < width + height     ? Eigen::Vector3d(width, s - width, 0)
+                   : s < 2 * width + height ? Eigen::Vector3d(2 * width + height - s, height, 0)
+                                            : Eigen::Vector3d(0, 2 * (width + height) - s, 0));
+  const double nh = self_inductance_nh(line, 5),
+               mhz = 1e4 * std::sqrt(10 / (nh * pf)) / (2 * std::numbers::pi);
+  EXPECT_NEAR(tuning_pf(nh, mhz), pf, 1e-9);
+  EXPECT_NEAR(mhz, 298, 0.02 * 298);
+  EXPECT_NEAR(nh, 158.5, 0.04 * 158.5);
 }
 
 TEST(Tuning, PreamplifiersBlockCoupledCurrents) {

@@ -14,7 +14,7 @@
 #include "worker/scan/mold_distance.hpp"
 #include "worker/surface/adjacency.hpp"
 
-namespace vacuform {
+namespace vacuform::curved_contact_test {
 namespace {
 
 FormedSheet formed_over(const Mold& mold) {
@@ -128,4 +128,4 @@ TEST(CurvedContact, LeavesWhatIsNoCurvature) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::curved_contact_test

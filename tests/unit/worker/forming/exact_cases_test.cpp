@@ -5,7 +5,7 @@
 #include "tests/unit/worker/forming/axisymmetric.hpp"
 #include "worker/forming/formed_sheet.hpp"
 
-namespace vacuform {
+namespace vacuform::exact_cases_test {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
@@ -85,4 +85,4 @@ INSTANTIATE_TEST_SUITE_P(Rings, HemisphereUnderARing,
                          testing::Values(std::pair{1.3, neo}, std::pair{1.5, mooney}, std::pair{2.0, neo}));
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::exact_cases_test

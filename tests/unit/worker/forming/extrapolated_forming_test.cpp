@@ -12,7 +12,7 @@
 #include "worker/forming/sheet_grid.hpp"
 #include "worker/scan/mold_distance.hpp"
 
-namespace vacuform {
+namespace vacuform::extrapolated_forming_test {
 namespace {
 
 constexpr double radius_mm = 85, ring = 1.5;
@@ -191,4 +191,4 @@ TEST(SmoothInterpolation, CountsVerticesOffTheirGridLinesWhereTheyAre) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::extrapolated_forming_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace vacuform {
+namespace vacuform::findings_test {
 namespace {
 
 // A flat sheet of 20 x 20 cells of 4 mm, 1 mm thick, all of it on the mold.
@@ -175,4 +175,4 @@ TEST(FormingFindings, MarksAreTheWorstTwenty) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::findings_test

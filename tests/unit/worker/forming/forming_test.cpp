@@ -12,7 +12,7 @@
 #include "worker/forming/contact.hpp"
 #include "worker/forming/sheet_grid.hpp"
 
-namespace vacuform {
+namespace vacuform::forming_test {
 namespace {
 
 const TemperatureField warm(140);
@@ -288,4 +288,4 @@ TEST(Forming, AHotSheetSagsAndTheFrameStartsHigher) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::forming_test

@@ -12,7 +12,7 @@
 #include "worker/sample/sample.hpp"
 #include "worker/surface/stl.hpp"
 
-namespace vacuform {
+namespace vacuform::mass_spring_test {
 namespace {
 
 constexpr double young = 0.9e-3 * 1000, density = 1.27e-3, thickness = 0.5;  // N/mm^2, g/mm^3, mm
@@ -403,4 +403,4 @@ TEST(MassSpring, ReportsAndCanBeCancelled) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::mass_spring_test

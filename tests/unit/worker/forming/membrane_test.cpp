@@ -11,7 +11,7 @@
 #include "worker/forming/free_membrane.hpp"
 #include "worker/forming/sheet_grid.hpp"
 
-namespace vacuform {
+namespace vacuform::membrane_test {
 namespace {
 
 constexpr MembraneLaw laws[] = {MembraneLaw::neo_hookean, MembraneLaw::mooney_rivlin};
@@ -267,4 +267,4 @@ INSTANTIATE_TEST_SUITE_P(Reference, Inflation,
                                          std::array{1.1715, 0.5878, 0.640, 0.830}));
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::membrane_test

@@ -11,7 +11,7 @@
 
 #include "worker/forming/sheet_grid.hpp"
 
-namespace vacuform {
+namespace vacuform::paired_cholesky_test {
 namespace {
 
 using Quad = PairedCholesky::Quad;
@@ -141,4 +141,4 @@ TEST(PairedCholesky, RefusesPartsThatAreJoinedBesideTheirSeparator) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::paired_cholesky_test

@@ -7,7 +7,7 @@
 #include "worker/forming/formed_sheet.hpp"
 #include "worker/forming/mold_points.hpp"
 
-namespace vacuform {
+namespace vacuform::point_contact_test {
 namespace {
 
 void add_box(TriangleMesh& mesh, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
@@ -153,4 +153,4 @@ TEST(PointContact, NamesThePlaceWhereTheMoldPiercesTheSheet) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::point_contact_test

@@ -5,7 +5,7 @@
 #include "tests/unit/fixtures/shapes.hpp"
 #include "worker/forming/formed_sheet.hpp"
 
-namespace vacuform {
+namespace vacuform::projection_test {
 namespace {
 
 // Over a hemisphere every vertex keeps its place in the plane, and its height is that of the sphere or the platform.
@@ -69,4 +69,4 @@ TEST(Projection, CanBeCancelled) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::projection_test

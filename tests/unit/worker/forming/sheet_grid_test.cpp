@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace vacuform {
+namespace vacuform::sheet_grid_test {
 namespace {
 
 double area(const SheetGrid& grid, const Triangle& t) {
@@ -66,4 +66,4 @@ TEST(SheetGrid, PartsOfTheDissectionCoverTheOrder) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::sheet_grid_test

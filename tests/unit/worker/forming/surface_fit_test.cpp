@@ -4,7 +4,7 @@
 #include "tests/unit/fixtures/shapes.hpp"
 #include "worker/forming/surface_fit.hpp"
 
-namespace vacuform {
+namespace vacuform::surface_fit_test {
 namespace {
 
 // A level square sheet of 100 x 100 mm in cells of 2 mm, at a height, all of it said to touch the mold.
@@ -105,4 +105,4 @@ TEST(SurfaceFit, DoesNotCountTheSheetThatTouchesNothing) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::surface_fit_test

@@ -6,7 +6,7 @@
 #include "tests/unit/fixtures/shapes.hpp"
 #include "worker/forming/findings.hpp"
 
-namespace vacuform {
+namespace vacuform::trapped_air_test {
 namespace {
 
 constexpr double R = 50;
@@ -164,4 +164,4 @@ TEST(TrappedAir, AFreePocketIsVentedOnTheMold) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::trapped_air_test

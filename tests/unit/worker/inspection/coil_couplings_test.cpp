@@ -12,7 +12,7 @@
 #include "worker/inspection/summary.hpp"
 #include "worker/placement/placement.hpp"
 
-namespace vacuform {
+namespace vacuform::coil_couplings_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -232,4 +232,4 @@ TEST(CaptionWords, SayWhereTheInkGoes) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::coil_couplings_test

@@ -9,7 +9,7 @@
 #include "worker/pattern/sorting.hpp"
 #include "worker/placement/outline.hpp"
 
-namespace vacuform {
+namespace vacuform::coil_figures_test {
 namespace {
 
 using Eigen::Matrix2d;
@@ -496,4 +496,4 @@ TEST(StretchedTraces, AreThoseAlongTheStretch) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::coil_figures_test

@@ -8,7 +8,7 @@
 #include "worker/inspection/coil_warnings.hpp"
 #include "worker/inspection/loop_figures.hpp"
 
-namespace vacuform {
+namespace vacuform::shape_distance_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -146,4 +146,4 @@ TEST(CoilWarnings, SayTheSpacingOfTheTable) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::shape_distance_test

@@ -30,7 +30,7 @@ struct Head {
   InkedSurface surface;
   Flattening flattening;
 };
-inline Head formed_head(const Bytes& scan, std::optional<double> trim_mm) {
+inline Head formed_head(const drawing_files::Bytes& scan, std::optional<double> trim_mm) {
   Settings settings;
   settings.sheet.resolution_mm = 3;
   settings.scan.trim_mm = trim_mm;
@@ -77,10 +77,10 @@ inline double ink_at(const Decoded& image, const Vector2d& seen) {
 // Seven rings of 40 mm, 3 mm wide, at 300 dpi. The map of a ring on a dome keeps areas: a point of the formed surface
 // has ink if the area nearer to the ring's centre, measured along the surface, is within the areas of the line's edges
 // in the drawing. The print is looked up at the position of that point on the flat sheet.
-inline void expect_round_rings(const Bytes& scan, std::optional<double> trim_mm) {
+inline void expect_round_rings(const drawing_files::Bytes& scan, std::optional<double> trim_mm) {
   const Head head = formed_head(scan, trim_mm);
   const ChartedSurface charted(head.surface, head.flattening);
-  const Bytes bytes = ring_file("rings-7x40mm.svg");
+  const drawing_files::Bytes bytes = ring_file("rings-7x40mm.svg");
   const auto pattern = Pattern::read(bytes, "rings", head.settings.pattern, head.settings.print.dpi);
   ASSERT_TRUE(pattern);
   std::vector<Warning> warnings;

@@ -6,7 +6,7 @@
 #include "tests/unit/worker/scan/scan_shapes.hpp"
 #include "worker/scan/scan_file.hpp"
 
-namespace vacuform {
+namespace vacuform::glb_draco_test {
 namespace {
 
 using shapes::FileBytes;
@@ -137,4 +137,4 @@ TEST(CompressedGlbFile, IsRefusedWhenItIsNoDraco) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::glb_draco_test

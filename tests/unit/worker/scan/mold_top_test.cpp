@@ -6,7 +6,7 @@
 #include "tests/unit/fixtures/plateaus.hpp"
 #include "tests/unit/worker/scan/scan_shapes.hpp"
 
-namespace vacuform {
+namespace vacuform::mold_top_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -97,4 +97,4 @@ TEST(MoldTop, OfSeveralPiecesIsTheLargestThenTheNearest) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::mold_top_test

@@ -5,7 +5,7 @@
 
 #include "tests/unit/worker/scan/scan_shapes.hpp"
 
-namespace vacuform {
+namespace vacuform::scan_bodies_test {
 namespace {
 
 using namespace shapes;
@@ -155,4 +155,4 @@ TEST(Bodies, TwoHalvesOfAHeadAreNoTwoHeads) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::scan_bodies_test

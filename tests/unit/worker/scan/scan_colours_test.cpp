@@ -8,7 +8,7 @@
 #include "tests/unit/fixtures/coloured_scans.hpp"
 #include "worker/scan/scan_file.hpp"
 
-namespace vacuform {
+namespace vacuform::scan_colours_test {
 namespace {
 
 using coloured::GlbParts;
@@ -228,4 +228,4 @@ INSTANTIATE_TEST_SUITE_P(
             Code::corrupt_file, "vertex 0"}));
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::scan_colours_test

@@ -6,7 +6,7 @@
 #include "worker/scan/scan_file.hpp"
 #include "worker/scan/welding.hpp"
 
-namespace vacuform {
+namespace vacuform::scan_formats_test {
 namespace {
 
 using namespace shapes;
@@ -524,4 +524,4 @@ TEST(ScanFormats, NoDamageIsFatal) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::scan_formats_test

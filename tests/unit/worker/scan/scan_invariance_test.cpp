@@ -4,7 +4,7 @@
 #include "tests/unit/worker/scan/scan_shapes.hpp"
 #include "worker/scan/placing.hpp"
 
-namespace vacuform {
+namespace vacuform::scan_invariance_test {
 namespace {
 
 using namespace shapes;
@@ -188,4 +188,4 @@ TEST(Crumbs, AreDroppedBeforeTheMoldIsCentred) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::scan_invariance_test

@@ -11,7 +11,7 @@
 #include "worker/scan/welding.hpp"
 #include "worker/scan/wrapping.hpp"
 
-namespace vacuform {
+namespace vacuform::scan_mold_test {
 namespace {
 
 using namespace shapes;
@@ -637,4 +637,4 @@ TEST(Fit, SaysWhenTheClampHoldsLittle) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::scan_mold_test

@@ -7,7 +7,7 @@
 #include "worker/scan/cutting.hpp"
 #include "worker/scan/plug.hpp"
 
-namespace vacuform {
+namespace vacuform::scan_plug_test {
 namespace {
 
 using namespace shapes;
@@ -143,4 +143,4 @@ TEST(Plug, NeedsABase) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::scan_plug_test

@@ -10,7 +10,7 @@
 #include "worker/scan/symmetry.hpp"
 #include "worker/scan/upright.hpp"
 
-namespace vacuform {
+namespace vacuform::scan_pose_test {
 namespace {
 
 using namespace shapes;
@@ -204,4 +204,4 @@ TEST(Noise, DoesNotMoveTheAutomaticTrim) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::scan_pose_test

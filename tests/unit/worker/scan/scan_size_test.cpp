@@ -7,7 +7,7 @@
 #include "worker/scan/scan_size.hpp"
 #include "worker/scan/trimming.hpp"
 
-namespace vacuform {
+namespace vacuform::scan_size_test {
 namespace {
 
 using namespace shapes;
@@ -233,4 +233,4 @@ TEST(Trim, ProposalsAreTried) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::scan_size_test

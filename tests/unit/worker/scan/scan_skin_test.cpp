@@ -8,7 +8,7 @@
 #include "worker/scan/upright.hpp"
 #include "worker/scan/welding.hpp"
 
-namespace vacuform {
+namespace vacuform::scan_skin_test {
 namespace {
 
 using namespace shapes;
@@ -471,4 +471,4 @@ TEST(Up, WarnsWhenTheShapeDoesNotTell) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::scan_skin_test

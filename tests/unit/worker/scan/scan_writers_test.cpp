@@ -8,7 +8,7 @@
 #include "worker/scan/sides.hpp"
 #include "worker/scan/upright.hpp"
 
-namespace vacuform {
+namespace vacuform::scan_writers_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -425,4 +425,4 @@ TEST(ScanWriters, ColoursOfAPlyCountAsTheirValuesSay) {
 }
 
 }  // namespace
-}  // namespace vacuform
+}  // namespace vacuform::scan_writers_test
