@@ -177,17 +177,16 @@ class Build {
     }
   }
 
-  // What an element has on the other face lies opposite to what it has on its own, such as plates, or marks that are drawn
-  // at one place on both.
+  // What an element has on the other face lies opposite to what it has on its own, such as plates, marks that are drawn at one
+  // place on both, and lines that end there.
   void lay_opposite() {
+    if (!build_.reverse) return;
     for (std::size_t e = 0; e < drawing_.elements.size(); ++e) {
       const std::vector<Shape>& shapes = drawing_.elements[e].shapes;
-      const auto drawn_on = [&](int face) {
-        return std::any_of(shapes.begin(), shapes.end(),
-                           [&](const Shape& s) { return face_of(e, s) == face; });
-      };
-      if (placed_[e] < 0 || !((drawn_on(0) && drawn_on(1)) || (prints_plates(settings_.coils) && is_loop(e))))
-        continue;
+      const bool drawn = layered_ && std::any_of(shapes.begin(), shapes.end(), [&](const Shape& shape) {
+                           return face_of(e, shape) == build_.faces[e];
+                         });
+      if (placed_[e] < 0 || !(drawn || (prints_plates(settings_.coils) && is_loop(e)))) continue;
       const std::size_t i = index(placed_[e]);
       const int face = 1 - build_.faces[e];
       if (face == 0 && !build_.first) build_.first = placement_;
