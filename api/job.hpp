@@ -67,7 +67,7 @@ struct ArtifactKind {
   std::string_view title;  // one line for people
   bool always = true;      // otherwise only jobs with matching content make it
 };
-inline constexpr std::array<ArtifactKind, 57> artifact_kinds{{
+inline constexpr std::array<ArtifactKind, 69> artifact_kinds{{
     {"print.png", "image/png", "The print: pre-distorted pattern, 1:1, exact dpi"},
     {"print.svg", "image/svg+xml", "The print at 1:1 with its marks, user units in mm"},
     {"print.pdf", "application/pdf", "The print at 1:1 with its marks, on a page of the sheet's size"},
@@ -80,6 +80,15 @@ inline constexpr std::array<ArtifactKind, 57> artifact_kinds{{
     {"print-bridges.svg", "image/svg+xml", "The bridges over the patches at 1:1, user units in mm", false},
     {"print-bridges.pdf", "application/pdf",
      "The bridges over the patches at 1:1, on a page of the sheet's size", false},
+    {"print-resist.png", "image/png", "The resist over the circuits, 1:1, exact dpi", false},
+    {"print-resist.svg", "image/svg+xml", "The resist over the circuits at 1:1, user units in mm", false},
+    {"print-resist.pdf", "application/pdf",
+     "The resist over the circuits at 1:1, on a page of the sheet's size", false},
+    {"print-picture.png", "image/png", "The picture of the drawing in its colours, 1:1, exact dpi", false},
+    {"print-picture.svg", "image/svg+xml",
+     "The picture of the drawing in its colours at 1:1, user units in mm", false},
+    {"print-picture.pdf", "application/pdf",
+     "The picture of the drawing in its colours at 1:1, on a page of the sheet's size", false},
     {"print-reverse.png", "image/png", "The conductors on the other face, 1:1, exact dpi", false},
     {"print-reverse.svg", "image/svg+xml", "The conductors on the other face at 1:1, user units in mm",
      false},
@@ -96,6 +105,16 @@ inline constexpr std::array<ArtifactKind, 57> artifact_kinds{{
      false},
     {"print-reverse-bridges.pdf", "application/pdf",
      "The bridges on the other face at 1:1, on a page of the sheet's size", false},
+    {"print-reverse-resist.png", "image/png", "The resist on the other face, 1:1, exact dpi", false},
+    {"print-reverse-resist.svg", "image/svg+xml", "The resist on the other face at 1:1, user units in mm",
+     false},
+    {"print-reverse-resist.pdf", "application/pdf",
+     "The resist on the other face at 1:1, on a page of the sheet's size", false},
+    {"print-reverse-picture.png", "image/png", "The picture on the other face, 1:1, exact dpi", false},
+    {"print-reverse-picture.svg", "image/svg+xml", "The picture on the other face at 1:1, user units in mm",
+     false},
+    {"print-reverse-picture.pdf", "application/pdf",
+     "The picture on the other face at 1:1, on a page of the sheet's size", false},
     {"colours.png", "image/png", "The colours of the scan, in register with the print", false},
     {"colours.svg", "image/svg+xml", "The colours of the scan at 1:1, user units in mm", false},
     {"colours.pdf", "application/pdf", "The colours of the scan at 1:1, in register with the print", false},

@@ -109,6 +109,9 @@ constexpr WarningKind kinds[] = {
      "if they are swapped."},
     {"large-hole", Severity::warning, "A large hole of the scan was filled. The mold is a guess there.",
      "Scan the place again, or check the mold there."},
+    {"layer-empty", Severity::warning,
+     "A layer of the drawing has nothing but white on it. White is no ink, and the layer is not printed.",
+     "Draw what the layer prints in any other colour. A white ink is drawn in another colour, too."},
     {"layer-unnamed", Severity::warning,
      "The drawing has layers for steps of printing, and shapes that are on none of them. They are printed "
      "with the first "
@@ -146,6 +149,11 @@ constexpr WarningKind kinds[] = {
     {"outliers", Severity::warning,
      "Single vertices lie far away from the rest of the scan. They are left out.",
      "Look at the mold there, or remove the named vertices from the scan."},
+    {"pads-covered", Severity::serious,
+     "Resist or a picture is printed over the pads of a port or a capacitor. They cannot be soldered.",
+     "Leave an opening over each gap and its pads, or move the gaps (coils.port, coils.gaps). The shapes on "
+     "a layer of "
+     "resist are ink: call it resist openings if they show what stays free, as programs for boards draw it."},
     {"pattern-as-picture", Severity::note,
      "The SVG holds something that cannot be kept as lines. It is printed as a picture.",
      "Change the named part of the SVG to keep its lines exact."},

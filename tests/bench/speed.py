@@ -1,4 +1,4 @@
-"""Prints how long forming, a whole print, a changed pattern and a layout take, beside CGAL's ARAP, CGAL's exact geodesics and
+"""Prints how long forming, a whole print, a changed pattern, an array and a layout take, beside CGAL's ARAP, CGAL's exact geodesics and
 Blender's cloth (where Blender is installed) in the same run, as Markdown tables: docs/develop/speed.md holds them.
 
     python3 tests/bench/speed.py BIN SHARED-DATA [--runs N] [--only WORD]
@@ -64,6 +64,13 @@ def measures(arguments, folder):
             run(kept)
             turned = lambda k: [*kept, "--set", f"pattern.rotate_deg={5 * k + 5}"]
             yield f"another pattern on a kept head, {head}", *medians(arguments.runs, turned), peak_mib(turned(20))
+    if arguments.only in "array":
+        laid = [vacuform, "layout", "--scan", arguments.data / "scans" / HEADS["adult"], "--count", 16, "--out", folder / "sixteen"]
+        run(laid)
+        for build in "single", "two_faces", "bridges":
+            words = [vacuform, "run", "--quiet", "--scan", arguments.data / "scans" / HEADS["adult"], "--pattern", folder / "sixteen" / "pattern.svg",
+                     "--out", folder / "array", "--set", f"coils.build={build}", "--set", "coils.gaps=4"]
+            yield f"print of sixteen loops, {build}", *medians(arguments.runs, lambda _: words), peak_mib(words)
     if arguments.only in "layout":
         laid = [vacuform, "layout", "--scan", arguments.data / "scans" / HEADS["newborn"], "--count", 32, "--diameter_mm",
                 "fitted", "--out", folder / "layout", "--cache", folder / "newborn"]
@@ -91,7 +98,7 @@ def main():
     parser.add_argument("bin", type=pathlib.Path)
     parser.add_argument("data", type=pathlib.Path)
     parser.add_argument("--runs", type=int, default=5)
-    parser.add_argument("--only", default="", help="forming, print, kept head, layout or peers")
+    parser.add_argument("--only", default="", help="forming, print, kept head, array, layout or peers")
     arguments = parser.parse_args()
     flattening = json.loads(run([arguments.bin / "bench_flattening", "--json", "201"])["out"])
     arap = next(row["cpu_seconds"] for row in flattening if row["method"] == "cgal_arap" and row["surface"].startswith("dome"))

@@ -1,14 +1,18 @@
 """A person's own layers: each is printed as the step that it is named after, and nothing else of the print changes."""
 import json
 import math
+import re
 import unittest
+import xml.etree.ElementTree as ElementTree
 
 import ezdxf
-from shapely.geometry import LinearRing
+from shapely.geometry import LinearRing, LineString, Polygon
+from shapely.ops import unary_union
 
 import made_scans
 from harness import Case, Server, curl, vacuform
 from test_circuits import Nets
+from test_random_drawings import SVG, points_of
 
 FAST = ["--set", "sheet.resolution_mm=4", "--set", "print.dpi=72"]
 WIDTH = 3
@@ -61,6 +65,32 @@ def lines(some, colour="#000"):
 def with_bridges(names=("conductor", "dielectric", "bridges"), attribute="inkscape:label", more=""):
     return svg(group(names[2], lines(BRIDGES, "#c00"), attribute), group(names[1], lines(PATCHES, "#88bbee"), attribute),
                group(names[0], lines(CONDUCTOR) + path(RING[:-1], WIDTH, True), attribute), more)
+
+
+def ring(centre, width, colour="#000"):
+    return path(arc(centre, 0, 2 * math.pi)[:-1], width, True, colour)
+
+
+def square(x, y, half, colour="#000"):
+    return f'<rect x="{x - half}" y="{y - half}" width="{2 * half}" height="{2 * half}" fill="{colour}"/>'
+
+
+def painted(file):
+    """What is inked of a layer, with what white takes away from what is below it, and the colours of its inks."""
+    ink, colours = Polygon(), set()
+    pattern = next(g for g in ElementTree.parse(file).getroot().iter(SVG + "g") if g.get("id") == "pattern")
+    for shape in pattern.iter(SVG + "path"):
+        if shape.get("class") == "centreline":
+            continue
+        area = Polygon()
+        for part in shape.get("d").split("M")[1:]:  # holes, by even and odd
+            area = area.symmetric_difference(Polygon(points_of("M" + part)).buffer(0))
+        if shape.get("fill") == "#ffffff":
+            ink = ink.difference(area)
+        else:
+            ink = unary_union([ink, area])
+            colours.add(shape.get("fill"))
+    return ink, colours
 
 
 def dxf(layers):
@@ -196,9 +226,133 @@ class OwnLayers(Case):
         said = self.run_drawing("build.svg", with_bridges(), "coils.build=bridges", refused=True)
         self.assertIn("coils.build", said)
 
+    def legends(self, out):
+        found = {}
+        for file in out.glob("print*.svg"):
+            said = re.search(r"step (\d) of (\d): ([^<]*?)   ", file.read_text())
+            found[int(said[1])] = (file.stem, said[3])
+            self.assertEqual(int(said[2]), len(list(out.glob("print*.svg"))))
+        return [found[number] for number in sorted(found)]
+
+    def test_resist_and_a_picture_are_printed_last_and_change_no_circuit(self):
+        cover = ring(A, WIDTH + 2, "#2a5") + ring(B, WIDTH + 2, "#2a5")
+        picture = '<circle cx="72" cy="61" r="9" fill="none" stroke="#e07020" stroke-width="2"/>' + square(138, 30, 8, "#3366cc") + square(138, 30, 3, "#fff")
+        text = with_bridges(more=group("5 picture", picture) + group("4 solder mask", cover))
+        out, report = self.run_drawing("cover.svg", text)
+        self.check_two_loops(out, report)
+        self.assertFalse(self.codes(report) & {"layer-unnamed", "layers-as-one", "layer-empty", "pads-covered", "pattern-dark"})
+        self.assertEqual(self.legends(out), [
+            ("print", "conductive ink"), ("print-dielectric", "dielectric ink"), ("print-bridges", "conductive ink, bridges"),
+            ("print-resist", "resist"), ("print-picture", "picture, in its own colours")])
+        self.assertIn(b"/Type /Pages /Count 5 ", (out / "print.pdf").read_bytes())
+        self.assertEqual([m.decode() for m in re.findall(rb"/P \(([^)]*)\)", (out / "print.pdf").read_bytes())],
+                         ["print", "print-dielectric", "print-bridges", "print-resist", "print-picture"])
+        # The resist lies where the conductors lie, since it moves with their coils.
+        resist, of_resist = painted(out / "print-resist.svg")
+        conductors, _ = painted(out / "print.svg")
+        self.assertEqual(of_resist, {"#000000"})
+        self.assertLess(conductors.difference(resist).area, 0.01)
+        ink, colours = painted(out / "print-picture.svg")
+        self.assertEqual(colours, {"#e07020", "#3366cc"})
+        self.assertAlmostEqual(min(part.area for part in ink.geoms), 2 * math.pi * 9 * 2, delta=20)
+        self.assertEqual(sorted(len(part.interiors) for part in ink.geoms), [1, 1], "white is bare sheet")
+        layers = {p.dxf.layer for p in ezdxf.readfile(out / "layers.dxf").modelspace()}
+        self.assertEqual(layers, {"print", "print-dielectric", "print-bridges", "print-resist", "print-picture"})
+
+    def test_roles_on_the_other_face_are_mirrored_and_named(self):
+        text = svg(group("conductor", ring(A, WIDTH)), group("conductor inner", ring(B, WIDTH)), group("resist inner", ring(B, WIDTH + 2)),
+                   group("picture outer", square(30, 90, 6, "#d22")))
+        out, report = self.run_drawing("sides.svg", text)
+        self.check_two_loops(out, report)
+        self.assertEqual([name for name, _ in self.legends(out)], ["print", "print-picture", "print-reverse", "print-reverse-resist"])
+        for name, mirrored in (("print", False), ("print-picture", False), ("print-reverse", True), ("print-reverse-resist", True)):
+            text = (out / f"{name}.svg").read_text()
+            self.assertEqual('id="pattern" transform="scale(-1 1)"' in text, mirrored, name)
+            self.assertIn("inner face" if mirrored else "outer face", text)
+        self.assertLess(painted(out / "print-reverse.svg")[0].difference(painted(out / "print-reverse-resist.svg")[0]).area, 0.01)
+
+    def gapped(self, cover):
+        """A loop with a gap at its right, and another below, both 2 mm long."""
+        gap = 1 / RADIUS
+        loop = path(arc(A, gap, math.pi / 2 - gap), WIDTH) + path(arc(A, math.pi / 2 + gap, 2 * math.pi - gap), WIDTH)
+        return svg(group("conductor", loop), cover)
+
+    def test_covered_pads_are_said(self):
+        right, below = on(A, 0), on(A, math.pi / 2)
+        for name, cover, count in (
+                ("all", group("resist", ring(A, WIDTH + 2)), 2),
+                ("a hole by white, and a picture", group("resist", ring(A, WIDTH + 2) + square(*right, 6, "#fff") + square(*below, 6, "#fff")) +
+                    group("picture", square(*right, 5, "#c00")), 1),
+                ("openings", group("resist openings", square(*right, 6) + square(*below, 6)), 0),
+                ("of the other face", group("resist reverse", ring(A, WIDTH + 2)) + group("F.Mask", square(*below, 6)), 1)):
+            with self.subTest(name=name):
+                out, report = self.run_drawing(f"pads-{name}.svg", self.gapped(cover))
+                self.assertEqual((report["circuits"]["loops"], report["circuits"]["opens"]), (1, []))
+                said = [w for w in report["warnings"] if w["code"] == "pads-covered"]
+                self.assertEqual([w["figure"]["value"] for w in said], [count] if count else [])
+                if name == "openings":
+                    # The rest of the page, and the openings where the gaps are.
+                    resist, _ = painted(out / "print-resist.svg")
+                    self.assertGreater(resist.area, 0.8 * 170 * 120)
+                    self.assertEqual(sum(len(part.interiors) for part in getattr(resist, "geoms", [resist])), 2)
+                    self.assertFalse(self.codes(report) & {"ink-off-chart", "pattern-dark"})
+
+    def test_made_gaps_under_resist_are_said(self):
+        _, report = self.run_drawing("made.svg", svg(group("conductor", ring(A, WIDTH)), group("cover", ring(A, WIDTH + 2))), "coils.gaps=4")
+        self.assertEqual(next(w["figure"]["value"] for w in report["warnings"] if w["code"] == "pads-covered"), 4)
+
+    def test_layers_over_circuits_leave_the_loops_to_the_setting(self):
+        text = svg(ring(A, WIDTH) + ring(B, WIDTH), group("resist", ring(A, WIDTH + 2)), group("artwork", square(30, 30, 5, "#0a0")))
+        out, report = self.run_drawing("built.svg", text, "coils.build=bridges", "coils.gaps=2")
+        self.check_two_loops(out, report, 2)
+        self.assertEqual([name for name, _ in self.legends(out)], ["print", "print-dielectric", "print-bridges", "print-resist", "print-picture"])
+
+    def test_a_picture_is_no_coil_and_joins_nothing(self):
+        text = svg(group("conductor", ring((40, 60), WIDTH) + ring((100, 60), WIDTH)), group("legend", ring((120, 60), 2, "#a0a") +
+                   path([(40, 60 - RADIUS), (100, 60 - RADIUS)], 2, colour="#a0a")))
+        out, report = self.run_drawing("art.svg", text)
+        self.check_two_loops(out, report)
+
+    def test_a_line_between_coils_stays_under_its_resist(self):
+        """It moves from the chart with the coils at its ends. So does what is drawn along it on a layer without these coils."""
+        ends = [(A[0] + RADIUS, A[1]), (150, 100)]
+        other = '<circle cx="150" cy="85" r="15" fill="none" stroke="#000" stroke-width="3"/>'
+        out, _ = self.run_drawing("line.svg", svg(group("conductor", ring(A, WIDTH) + other + path(ends, 1)), group("resist", path(ends, 2)),
+                                                  group("dielectric inner", path(ends, 2))))
+        lines = {name: [LineString(points_of(line.get("d"))) for line in ElementTree.parse(out / f"{name}.svg").iter(SVG + "path")
+                        if line.get("class") == "centreline" and line.get("data-width-mm") in "12"]
+                 for name in ("print", "print-resist", "print-reverse-dielectric")}
+        self.assertEqual([len(some) for some in lines.values()], [1, 1, 1])
+        middle = lines["print"][0]
+        self.assertGreater(middle.length, 50)
+        for name, (along,) in lines.items():
+            # Where the tie to a coil ends depends a little on the width of the line.
+            self.assertLess(middle.hausdorff_distance(along), 0.05, name)
+
+    def test_names_of_a_board(self):
+        text = svg(group("F.Cu", ring(A, WIDTH)), group("B.Cu", ring(B, WIDTH)), group("F.SilkS", square(30, 30, 4, "#222")),
+                   group("F.Mask", square(*on(A, 2), 3)), group("B.Mask-invert", ring(B, WIDTH + 1)))
+        out, report = self.run_drawing("board.svg", text)
+        self.check_two_loops(out, report)
+        self.assertNotIn("layer-unnamed", self.codes(report))
+        self.assertEqual([name for name, _ in self.legends(out)],
+                         ["print", "print-resist", "print-picture", "print-reverse", "print-reverse-resist"])
+
+    def test_a_picture_alone_is_a_drawing_like_any_other(self):
+        out, report = self.run_drawing("alone.svg", svg(group("image", ring(A, WIDTH, "#c33"), "id")))
+        self.assertEqual(report["circuits"]["loops"], 1)
+        self.assertFalse((out / "print-picture.svg").exists())
+        self.assertEqual(painted(out / "print.svg")[1], {"#cc3333"})
+
+    def test_a_layer_of_white_is_left_out_and_said(self):
+        out, report = self.run_drawing("white-ink.svg", svg(group("conductor", ring(A, WIDTH)), group("picture", square(30, 30, 6, "#fff"))))
+        self.assertIn("layer-empty", self.codes(report))
+        self.assertFalse((out / "print-picture.svg").exists())
+
     def test_the_service_keeps_the_names_of_layers_and_no_other(self):
         server = self.enterContext(Server(self.folder, workers=1))
-        text = with_bridges(("Conductor", "dielectric", "Bridges"), more=group("Array for Mary Smith", ""))
+        text = with_bridges(("Conductor", "dielectric", "Bridges"),
+                            more=group("Array for Mary Smith", "") + group("Solder mask", ring(B, WIDTH + 2)) + group("Artwork", square(30, 30, 4, "#c00")))
         for name, drawing in (("service.svg", text), ("service.dxf", dxf([("BRIDGES", BRIDGES), ("DIELECTRIC", PATCHES),
                                                                           ("CONDUCTOR", CONDUCTOR + [(RING, WIDTH)])]))):
             with self.subTest(name=name):
@@ -208,6 +362,7 @@ class OwnLayers(Case):
                 self.assertEqual(server.wait(job)["state"], "succeeded")
                 report = curl(f"{server.api}/jobs/{job}/artifacts/report.json").json
                 self.assertEqual((report["circuits"]["loops"], report["circuits"]["nets"]), (2, 2))
+                self.assertEqual({"print-resist.svg", "print-picture.pdf"} <= set(report["artifacts"]), name == "service.svg")
                 kept = [file.read_bytes() for file in server.data.rglob("*") if file.is_file()]
                 self.assertFalse(any(b"Smith" in content for content in kept))
 

@@ -1,6 +1,6 @@
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
-import {couplingsOf, farthestFirst, gapsOf, layersOf, stepped, strongest, tintOf, withLayer, type Circuits} from '../src/state/array';
+import {conducts, couplingsOf, farthestFirst, fillOf, gapsOf, layersOf, stepped, strongest, tintOf, withLayer, type Circuits} from '../src/state/array';
 import {inkOf, marksOnly, pageOf, wholeLines} from '../src/state/ink';
 import {encloses, type Line} from '../src/state/result';
 
@@ -27,6 +27,16 @@ test('the nearest ink is painted last, whichever face is printed first', () => {
   assert.deepEqual(words('outer'), ['inner bridges', 'inner dielectric', 'inner conductor', 'outer conductor', 'outer dielectric', 'outer bridges']);
   assert.deepEqual(words('inner'), words('outer').reverse());
   assert.notEqual(tintOf({step: 'conductor', reverse: false}).colour, tintOf({step: 'conductor', reverse: true}).colour);
+});
+
+test('resist comes after the bridges, a picture last and in its own colours', () => {
+  const layers = layersOf(files('print-picture.svg', 'print-reverse-resist.svg', 'print-resist.svg', 'print-bridges.svg', 'print-dielectric.svg', 'print.svg', 'print-reverse.svg'), 'outer');
+  assert.deepEqual(layers.map(({number, step, face}) => `${number} ${step} ${face}`), ['1 conductor outer', '2 dielectric outer', '3 bridges outer',
+    '4 resist outer', '5 picture outer', '6 conductor inner', '7 resist inner']);
+  assert.deepEqual(layers.filter(conducts).map(({name}) => name), ['print', 'print-bridges', 'print-reverse']);
+  assert.equal(farthestFirst(layers, 'outer').at(-1)?.step, 'picture');
+  assert.equal(fillOf({step: 'picture', reverse: false}, '#ff8800'), '#ff8800');
+  assert.equal(fillOf({step: 'resist', reverse: false}, '#000000'), tintOf({step: 'resist', reverse: false}).colour);
 });
 
 test('a layer is hidden once, and shown again', () => {
@@ -102,7 +112,7 @@ const page = (mirrored: boolean): string => `<?xml version="1.0"?>
 </svg>`;
 
 test('ink is read without centre lines and marks, and lies as seen from above on either face', () => {
-  assert.deepEqual(inkOf(page(false)).paths, [{d: 'M1 2L3 4Z', evenOdd: true, opacity: 0.5}]);
+  assert.deepEqual(inkOf(page(false)).paths, [{d: 'M1 2L3 4Z', fill: '#000000', evenOdd: true, opacity: 0.5}]);
   assert.deepEqual(inkOf(page(false)).numbers, [{x: 10.5, y: -20.25, size: 2, text: '17'}]);
   // paths are mirrored by their group, numbers are not: they stand where they are read on the page
   assert.deepEqual(inkOf(page(true)).paths, inkOf(page(false)).paths);

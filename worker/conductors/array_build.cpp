@@ -30,23 +30,23 @@ class Build {
         body_(body),
         settings_(settings),
         layered_(drawing.layered()),
+        parted_(drawing.parts_loops()),
         loop_of_(drawing.elements.size(), -1),
         placed_(drawing.elements.size(), -1) {
     for (std::size_t i = 0; i < placement.elements.size(); ++i)
       placed_[index(placement.elements[i].element)] = static_cast<int>(i);
     build_.faces.assign(drawing.elements.size(), 0);
+    if (layered_) whole_ = std::make_shared<const Drawing>(drawing);
   }
 
   Result<ArrayBuild> run(const Context& context) {
-    if (layered_ && settings_.coils.build != CoilBuild::single)
+    if (parted_ && settings_.coils.build != CoilBuild::single)
       return fail(Code::bad_settings,
                   "the drawing has layers for steps of printing, which say how its loops are parted",
                   "coils.build", "leave the setting out, or draw the loops on one layer");
     VACUFORM_TRY(found, choose_faces_and_cross(context));
-    if (prints_plates(settings_.coils)) {
-      if (!build_.reverse) VACUFORM_CHECK(place_on_reverse(context));
-      build_.first = placement_;
-    }
+    if (prints_plates(settings_.coils)) VACUFORM_CHECK(place_on_reverse(context));
+    lay_opposite();
     lay_traces();
     bridge(found);
     cover();
@@ -66,10 +66,9 @@ class Build {
   // The crossings that need a bridge.
   Result<std::vector<Crossing>> choose_faces_and_cross(const Context& context) {
     const CoilSettings& coils = settings_.coils;
-    if (layered_) {
-      VACUFORM_CHECK(take_drawn_faces(context));
-      return std::vector<Crossing>();
-    }
+    if (layered_) VACUFORM_CHECK(look_at_layers(context));
+    if (parted_) take_drawn_faces();
+    if (parted_) return std::vector<Crossing>();
     if (coils.build == CoilBuild::single) return std::vector<Crossing>();
     std::vector<Crossing> all = crossings(drawing_, placement_);
     if (coils.build == CoilBuild::bridges) return all;
@@ -88,27 +87,32 @@ class Build {
   }
 
   Result<void> place_on_reverse(const Context& context) {
+    if (build_.reverse) return {};
     VACUFORM_TRY(reverse, on_other_face(charted_, drawing_, placement_, settings_.pattern.scale, context));
     build_.reverse = std::move(reverse);
     return {};
   }
 
   // A loop lies on the face of its first conductor, whatever else belongs to it.
-  Result<void> take_drawn_faces(const Context& context) {
-    bool reverse = false;
-    std::size_t unnamed = 0, loops = 0;
+  void take_drawn_faces() {
     for (std::size_t e = 0; e < drawing_.elements.size(); ++e) {
       const std::vector<Shape>& shapes = drawing_.elements[e].shapes;
       const auto conductor = std::find_if(shapes.begin(), shapes.end(), [](const Shape& shape) {
         return step_of(shape) == PrintStep::conductor;
       });
       build_.faces[e] = conductor == shapes.end() ? 0 : drawn_face(*conductor);
-      for (const Shape& shape : shapes) {
+    }
+  }
+
+  Result<void> look_at_layers(const Context& context) {
+    bool reverse = false;
+    std::size_t unnamed = 0, loops = 0;
+    for (const Element& element : drawing_.elements)
+      for (const Shape& shape : element.shapes) {
         reverse |= drawn_face(shape) == 1;
         unnamed += shape.layer || !has_ink(shape) ? 0 : 1;
         loops += step_of(shape) == PrintStep::bridges && is_closed_loop(shape);
       }
-    }
     if (unnamed > 0)
       build_.warnings.push_back(
           {.code = "layer-unnamed",
@@ -149,7 +153,7 @@ class Build {
     return 0;
   }
   int face_of(std::size_t e, const Shape& shape) const {
-    return layered_ ? drawn_face(shape) : build_.faces[e];
+    return parted_ || !of_circuits(step_of(shape)) ? drawn_face(shape) : build_.faces[e];
   }
 
   void lay_traces() {
@@ -169,19 +173,28 @@ class Build {
       laid.centre = placed.centre_rest;
       laid.drawn = drawn_gaps(laid.trace->path(), ink_of(e));
       if (!prints_plates(settings_.coils)) continue;
-      laid.far = std::make_unique<Trace>(loop, place_plates(e).patch, width, placed.size);
+      laid.far = std::make_unique<Trace>(loop, placed_on(1 - build_.faces[e]).patch, width, placed.size);
     }
   }
 
-  // Where the plates of a loop lie: opposite to it.
-  const PlacedElement& place_plates(std::size_t e) {
-    const std::size_t i = index(placed_[e]);
-    const int face = 1 - build_.faces[e];
-    PlacedElement& out = face == 1 ? build_.reverse->elements[i] : build_.first->elements[i];
-    const Patch there = std::move(out.patch);
-    out = build_.placement(1 - face, placement_).elements[i];
-    out.patch = opposite(out.patch, there);
-    return out;
+  // What an element has on the other face lies opposite to what it has on its own, such as plates, marks that are drawn at one
+  // place on both, and lines that end there.
+  void lay_opposite() {
+    if (!build_.reverse) return;
+    for (std::size_t e = 0; e < drawing_.elements.size(); ++e) {
+      const std::vector<Shape>& shapes = drawing_.elements[e].shapes;
+      const bool drawn = layered_ && std::any_of(shapes.begin(), shapes.end(), [&](const Shape& shape) {
+                           return face_of(e, shape) == build_.faces[e];
+                         });
+      if (placed_[e] < 0 || !(drawn || (prints_plates(settings_.coils) && is_loop(e)))) continue;
+      const std::size_t i = index(placed_[e]);
+      const int face = 1 - build_.faces[e];
+      if (face == 0 && !build_.first) build_.first = placement_;
+      PlacedElement& out = face == 1 ? build_.reverse->elements[i] : build_.first->elements[i];
+      const Patch there = std::move(out.patch);
+      out = build_.placement(1 - face, placement_).elements[i];
+      out.patch = opposite(out.patch, there);
+    }
   }
 
   LaidLoop& loop_of(int element) { return loops_[index(loop_of_[index(element)])]; }
@@ -205,7 +218,7 @@ class Build {
       loop_of(b.over()).covered.push_back({b.along_over() - b.reach, b.along_over() + b.reach});
       loop_of(b.under()).covered.push_back({b.along_under() - b.patch, b.along_under() + b.patch});
     }
-    if (!layered_) return;
+    if (!parted_) return;
     const std::array<Islands, 2> over{ink_over(0), ink_over(1)};
     for (LaidLoop& loop : loops_)
       loop.covered = inked_parts(loop.trace->path(), over[index(build_.faces[index(loop.element)])]);
@@ -243,17 +256,18 @@ class Build {
   Area ink_of(std::size_t e) const {
     std::vector<Ring> rings;
     for (const Shape& shape : drawing_.elements[e].shapes)
-      if (step_of(shape) != PrintStep::dielectric && face_of(e, shape) == build_.faces[e])
-        add_ink(shape, rings);
+      if (conducts(step_of(shape)) && face_of(e, shape) == build_.faces[e]) add_ink(shape, rings);
     return union_of(rings);
   }
 
-  // What the drawing prints over the conductors of a face.
+  // What the drawing prints over the conductors of a face as a part of the circuits.
   Islands ink_over(int face) const {
     std::vector<Ring> rings;
     for (const Element& element : drawing_.elements)
       for (const Shape& shape : element.shapes)
-        if (step_of(shape) != PrintStep::conductor && drawn_face(shape) == face) add_ink(shape, rings);
+        if (const PrintStep step = step_of(shape);
+            step != PrintStep::conductor && of_circuits(step) && drawn_face(shape) == face)
+          add_ink(shape, rings);
     return Islands(rings);
   }
 
@@ -261,6 +275,7 @@ class Build {
     for (BuiltLayer& layer : build_.layers)
       if (layer.step == step && layer.face == face) return layer.drawing;
     BuiltLayer& out = build_.layers.emplace_back(BuiltLayer{step, face, drawing_});
+    out.drawing.whole = whole_;
     for (Element& element : out.drawing.elements) {
       element.shapes.clear();
       element.loop.reset();
@@ -272,7 +287,7 @@ class Build {
     layer(PrintStep::conductor, 0);
     for (std::size_t e = 0; e < drawing_.elements.size(); ++e) {
       for (const Shape& shape : drawing_.elements[e].shapes)
-        layer(step_of(shape), face_of(e, shape)).elements[e].shapes.push_back(in_black(shape));
+        layer(step_of(shape), face_of(e, shape)).elements[e].shapes.push_back(in_its_ink(shape));
       Element& out = layer(PrintStep::conductor, build_.faces[e]).elements[e];
       out.loop = drawing_.elements[e].loop;
       if (!is_loop(e)) continue;
@@ -308,13 +323,36 @@ class Build {
                 along_loop(trace_of(gap.coil).path(),
                            {gap.along.from - gap.plate->before, gap.along.to + gap.plate->after},
                            drawn_width(settings_.coils.plate_width_mm)));
+    leave_out_empty_layers();
     std::sort(build_.layers.begin(), build_.layers.end(), [](const BuiltLayer& a, const BuiltLayer& b) {
       return std::pair(a.face, a.step) < std::pair(b.face, b.step);
     });
   }
 
-  // A person tells layers apart by their colours; each has one ink.
-  Shape in_black(Shape shape) const {
+  // A layer with nothing but white on it would be an empty page. The first layer is what the print is, and is kept.
+  void leave_out_empty_layers() {
+    const auto is_empty = [](const BuiltLayer& layer) {
+      return std::none_of(layer.drawing.elements.begin(), layer.drawing.elements.end(),
+                          [](const Element& element) {
+                            return std::any_of(element.shapes.begin(), element.shapes.end(),
+                                               [](const Shape& s) { return has_ink(s); });
+                          });
+    };
+    const auto empty = std::stable_partition(build_.layers.begin() + 1, build_.layers.end(),
+                                             [&](const BuiltLayer& layer) { return !is_empty(layer); });
+    const auto count = build_.layers.end() - empty;
+    if (count == 0) return;
+    build_.layers.erase(empty, build_.layers.end());
+    build_.warnings.push_back({.code = "layer-empty",
+                               .text = std::to_string(count) + (count == 1 ? " layer has" : " layers have") +
+                                       " nothing but white, which is no ink, and " +
+                                       (count == 1 ? "is" : "are") + " not printed",
+                               .figure = Warning::Figure{static_cast<double>(count), "layers", 0.0}});
+  }
+
+  // A person tells layers apart by their colours; each has one ink but a picture.
+  Shape in_its_ink(Shape shape) const {
+    if (step_of(shape) == PrintStep::picture) return shape;
     const auto blacken = [](Colour& colour) {
       if (colour.ink() > 0) colour = {0, 0, 0, 1};
     };
@@ -348,7 +386,8 @@ class Build {
   const ChartedSurface& charted_;
   const std::optional<BodyBelow>& body_;
   const Settings& settings_;
-  const bool layered_;
+  const bool layered_, parted_;  // see Drawing
+  std::shared_ptr<const Drawing> whole_;
   std::vector<LaidLoop> loops_;
   std::vector<int> loop_of_;  // by Drawing::elements, -1: none
   std::vector<int> placed_;   // the same; indices into Placement::elements

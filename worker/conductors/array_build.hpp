@@ -13,7 +13,7 @@
 
 namespace vacuform {
 
-// A part of a drawing that is printed in one step, in black. Its elements are those of the drawing, in their order; those
+// A part of a drawing that is printed in one step: in black, and a picture in its own colours. Its elements are those of the drawing, in their order; those
 // without ink in it have no shapes.
 struct BuiltLayer {
   PrintStep step = PrintStep::conductor;
@@ -23,17 +23,17 @@ struct BuiltLayer {
 
 struct ArrayBuild {
   std::vector<int> faces;  // by Drawing::elements: 0 or 1
-  // The placement with every element on the inked surface of the second face; nothing if no element lies there. Of a loop with
-  // plates on the other face than its own, that face has the loop's own places on the flat sheet: the plates lie opposite.
+  // The placement with every element on the inked surface of the second face; nothing if no element lies there. Of an element
+  // with ink or plates on the other face than its own, that face has its own places on the flat sheet: they lie opposite.
   std::optional<Placement> reverse;
   std::optional<Placement> first =
-      {};  // instead of the given one, where loops of the second face have plates on the first
+      {};  // instead of the given one, where elements of the second face have ink or plates on the first
   std::vector<BuiltLayer>
       layers;  // face by face, in the order of printing; the first has step conductor and face 0
   std::vector<Bridge> bridges;        // one where loops on one face cross; none with coils.build=single
   std::vector<LoopGap> gaps;          // by coil
   std::vector<WidenedTrace> widened;  // by Drawing::elements, with print.compensate_width
-  // "bridges-crowded", "gaps-left-out", "layer-unnamed", "loop-on-bridges", "plates-small"
+  // "bridges-crowded", "gaps-left-out", "layer-empty", "layer-unnamed", "loop-on-bridges", "plates-small"
   std::vector<Warning> warnings;
 
   const Placement& placement(int face, const Placement& given) const {
@@ -43,7 +43,7 @@ struct ArrayBuild {
 
 // What `placement` places of `drawing`, built as settings.coils asks. `reverse`: the other face of the same sheet, with the
 // same triangles. What is no loop stays as it is, on the first face, or that of the coil it follows. A drawing with layers
-// (Drawing::layered()) is printed as they say. `body` loads the loops, for printed capacitors. Deterministic. Errors: cancelled; bad_settings: both the drawing and
+// (Drawing::layered()) is printed as they say; settings.coils builds its loops if they do not part them. `body` loads the loops, for printed capacitors. Deterministic. Errors: cancelled; bad_settings: both the drawing and
 // coils.build say how loops are parted.
 Result<ArrayBuild> build_array(const Drawing& drawing, const Placement& placement,
                                const ChartedSurface& reverse, const std::optional<BodyBelow>& body,

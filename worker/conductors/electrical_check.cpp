@@ -111,7 +111,7 @@ std::pair<Vector2d, Vector2d> box_of(const Ring& ring) {
 Face face_of(const std::vector<PrintedInk>& ink, int number, int& islands) {
   Face out;
   for (const PrintedInk& each : ink) {
-    if (each.face != number) continue;
+    if (each.face != number || !of_circuits(each.step)) continue;
     Islands& of = each.step == PrintStep::conductor    ? out.conductor
                   : each.step == PrintStep::dielectric ? out.dielectric
                                                        : out.bridges;
@@ -371,7 +371,7 @@ std::vector<Warning> ElectricalCheck::warnings(const Drawing& drawing, double cl
     warning.text = counted(shorts.size(), " pair of loops is", " pairs of loops are") +
                    " joined by ink: " + std::to_string(loops) + " loops are " + std::to_string(nets) +
                    (nets == 1 ? " circuit" : " circuits");
-    if (drawing.layered())
+    if (drawing.parts_loops())
       warning.fix =
           "Look at the layers of the drawing: where loops cross, one is interrupted, and a patch of "
           "dielectric and a bridge are "

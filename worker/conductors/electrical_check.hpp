@@ -1,7 +1,7 @@
 // Whether the printed conductors of an array are the circuits that they are meant to be: one for each loop, closed by its
 // capacitors, joined to no other.
 //
-// It looks at the ink of the print alone, not at how it was made.
+// It looks at the ink of the print alone, not at how it was made. Resist and pictures neither join nor interrupt.
 #pragma once
 
 #include <array>

@@ -149,7 +149,7 @@ std::string conductors_stl(const Finished& job) {
   for (auto& [face, rings] : dielectric) rings = union_of(rings);
   Solids solids(job);
   for (const Layer& layer : job.print.layers)
-    if (layer.step.value_or(PrintStep::conductor) != PrintStep::dielectric) solids.add(layer, dielectric);
+    if (conducts(layer.step.value_or(PrintStep::conductor))) solids.add(layer, dielectric);
   return solids.text();
 }
 

@@ -13,7 +13,7 @@ constexpr std::array<float, 256> part_of_255 = [] {
   return parts;
 }();
 
-// What is printed in several steps has a colour for each of them.
+// What is printed in several steps has a colour for each of them, and a picture its own.
 std::optional<Colour> tint_of(const Layer& layer, const Print& print) {
   if (!layer.step) return std::nullopt;
   switch (*layer.step) {
@@ -21,6 +21,10 @@ std::optional<Colour> tint_of(const Layer& layer, const Print& print) {
       return Colour{0.25, 0.65, 0.4, 0.75};
     case PrintStep::bridges:
       return Colour{0.8, 0.35, 0.05, 1};
+    case PrintStep::resist:
+      return Colour{0.5, 0.3, 0.75, 0.45};
+    case PrintStep::picture:
+      return std::nullopt;
     case PrintStep::conductor:
       break;
   }

@@ -38,6 +38,17 @@ bool is_shape(std::string_view name) {
 }
 bool is_group(std::string_view name) { return one_of(name, {"g", "a", "svg", "switch"}); }
 
+Curve page_outline(const Vector2d& size_mm) {
+  const Vector2d half = size_mm / 2;
+  const Vector2d corners[] = {-half, {half.x(), -half.y()}, half, {-half.x(), half.y()}, -half};
+  Curve out{{corners[0]}, true};
+  for (int i = 0; i < 4; ++i)
+    for (int k = 1; k <= 3; ++k)
+      out.points.emplace_back(corners[i] + (corners[i + 1] - corners[i]) * (k / 3.0));
+  out.points.back() = out.points.front();
+  return out;
+}
+
 class Reader {
  public:
   Reader(const pugi::xml_document& document, const Vector2d& size_mm)
@@ -51,8 +62,7 @@ class Reader {
       index(node);
       if (entities) look_for_entities(node);
       if (is_group(local_name(node)) || local_name(node) == "use") {
-        const auto layer = layer_of(node);
-        layered_ |= layer && *layer != DrawnLayer();
+        note_layer(layer_of(node));
       }
       return false;
     });
@@ -64,11 +74,14 @@ class Reader {
     read_root();
     if (!refused()) {
       join_bare_bridges();
+      forget_lone_covers();
+      const std::vector<Shape> grounds = invert_openings();
       std::vector<SortedElement> sorted = sort_into_elements(painted_, nodes_);
       drawing_.elements = with_shapes(std::move(sorted), std::move(painted_));
       for (const Element& element : drawing_.elements)
         if (element.id.empty())
           for (const Shape& shape : element.shapes) drawing_.loose_ink_mm2 += ink_mm2(shape);
+      if (!grounds.empty()) drawing_.elements.insert(drawing_.elements.begin(), Element{{}, {0, 0}, grounds});
       return std::move(drawing_);
     }
     warnings.push_back(
@@ -78,7 +91,7 @@ class Reader {
          {},
          {},
          "To keep its lines exact, " + refusal_.fix() + "."});
-    if (layered_)
+    if (layered())
       warnings.push_back({"layers-as-one",
                           "The layers of the drawing are printed as one, because it is printed as a picture.",
                           {},
@@ -110,6 +123,49 @@ class Reader {
       if (auto& layer = painted.shape.layer; layer && layer->step == PrintStep::bridges)
         layer->step = PrintStep::conductor;
   }
+
+  // A picture alone, such as a group "image" that a program made, is a drawing like any other.
+  void forget_lone_covers() {
+    const auto covers = [](const std::optional<DrawnLayer>& layer) {
+      return layer && !of_circuits(layer->step);
+    };
+    const auto inked = [](const Shape& s) {
+      return (s.fill && s.fill->ink() > 0) || (s.stroke && s.stroke->colour.ink() > 0);
+    };
+    if (std::any_of(painted_.begin(), painted_.end(), [&](const PaintedShape& painted) {
+          return !covers(painted.shape.layer) && inked(painted.shape);
+        }))
+      return;
+    for (PaintedShape& painted : painted_)
+      if (covers(painted.shape.layer)) painted.shape.layer.reset();
+  }
+
+  // A resist by its openings: of each face the whole page, to be painted first, on which its shapes turn white.
+  std::vector<Shape> invert_openings() {
+    std::vector<Shape> grounds;
+    const auto invert = [](Colour& colour) {
+      const double gray = colour.ink() > 0 ? 1 : 0;
+      colour = {gray, gray, gray, 1};
+    };
+    for (PaintedShape& painted : painted_) {
+      Shape& shape = painted.shape;
+      if (!shape.layer || !std::exchange(shape.layer->openings, false)) continue;
+      if (shape.fill) invert(*shape.fill);
+      if (shape.stroke) invert(shape.stroke->colour);
+      if (std::any_of(grounds.begin(), grounds.end(), [&](const Shape& s) { return s.layer == shape.layer; }))
+        continue;
+      grounds.push_back({{page_outline(drawing_.size_mm)}, Colour(), false, std::nullopt, shape.layer});
+    }
+    return grounds;
+  }
+
+  // Programs call groups pictures that nobody meant as a layer. Beside another layer it is one.
+  void note_layer(const std::optional<DrawnLayer>& layer) {
+    if (!layer) return;
+    (layer->step == PrintStep::picture ? pictured_ : named_) = true;
+    several_ |= layer->step != PrintStep::picture && *layer != DrawnLayer();
+  }
+  bool layered() const { return several_ || (named_ && pictured_); }
 
   void index(const pugi::xml_node& node) {
     const pugi::xml_attribute id = node.attribute("id");
@@ -217,7 +273,8 @@ class Reader {
     }
     const std::size_t before = paints_;
     if (std::string id = parent.copied || layer ? std::string() : id_of(node, use); !shape || !id.empty()) {
-      nodes_.push_back({std::move(id), parent.node, shape, parent.copied ? std::nullopt : place_of(node)});
+      nodes_.push_back({std::move(id), parent.node, shape, parent.copied ? std::nullopt : place_of(node),
+                        layer.has_value()});
       under.node = static_cast<int>(nodes_.size()) - 1;
     }
     if (shape)
@@ -449,7 +506,8 @@ class Reader {
   std::vector<PaintedShape> painted_;
   std::size_t work_ = 0, segments_ = 0, paints_ = 0;
   double length_ = 0, crossings_ = 0;
-  bool layered_ = false;
+  bool named_ = false, pictured_ = false,
+       several_ = false;  // layers: of any step but pictures, pictures, not the first
   Refusal refusal_;
 };
 
@@ -459,6 +517,14 @@ bool Drawing::layered() const {
   return std::any_of(elements.begin(), elements.end(), [](const Element& element) {
     return std::any_of(element.shapes.begin(), element.shapes.end(),
                        [](const Shape& shape) { return shape.layer && *shape.layer != DrawnLayer(); });
+  });
+}
+
+bool Drawing::parts_loops() const {
+  return std::any_of(elements.begin(), elements.end(), [](const Element& element) {
+    return std::any_of(element.shapes.begin(), element.shapes.end(), [](const Shape& shape) {
+      return shape.layer && *shape.layer != DrawnLayer() && of_circuits(shape.layer->step);
+    });
   });
 }
 

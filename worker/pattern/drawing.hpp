@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -50,7 +51,8 @@ struct Shape {
   std::optional<Colour> fill;
   bool even_odd = false;
   std::optional<Stroke> stroke;
-  std::optional<DrawnLayer> layer = {};  // of the drawing, if it is named after a step of printing
+  std::optional<DrawnLayer> layer =
+      {};  // of the drawing, if it is named after a step of printing; without openings
 };
 
 // The loop of a coil: the middle of its trace, closed across its gaps.
@@ -81,9 +83,14 @@ struct Drawing {
   Eigen::Vector2d size_mm{0, 0};
   std::vector<Element> elements;  // in the order of painting
   double loose_ink_mm2 = 0;       // in no element; where shapes overlap, of each
+  // Of one layer of a drawing: all of it, with the same elements. Lines are tied to its ink, so that those of several layers
+  // stay on each other. Null: to their own.
+  std::shared_ptr<const Drawing> whole = {};
 
   // Whether it has layers for other steps of printing than the first, or for another face.
   bool layered() const;
+  // Whether these say how its loops are parted: resist and pictures alone do not.
+  bool parts_loops() const;
 };
 
 // Reads the SVG of the pattern (pattern.svg()), at the size of the pattern: basic shapes, paths, use, symbols, groups,
@@ -92,7 +99,9 @@ struct Drawing {
 // what these vectors cannot represent (text, pictures, gradients, filters, clips, masks, markers, blended groups, more
 // than 200,000 segments). `warnings` then says what, and how to fix it ("pattern-as-picture", and
 // "layers-as-one" if it has layers for several steps of printing). A <use> without an id has the id of its target. A group is
-// a layer if its inkscape:label, or else its id, is one of drawn_layer() (print_step.hpp); the innermost counts.
+// a layer if its inkscape:label, or else its id, is one of drawn_layer() (print_step.hpp); the innermost counts. In a drawing
+// whose ink is all on layers of resist and pictures, these names say nothing: it is printed as one without layers. A resist by its
+// openings becomes one that covers the page, with its openings in white.
 // Deterministic; takes about a second at most for any input.
 std::optional<Drawing> read_drawing(const Pattern& pattern, std::vector<Warning>& warnings);
 // The same of the text of an SVG whose page has that size. Its root has a viewBox, or a size in user units.

@@ -86,7 +86,9 @@ std::size_t coils_over_a_ground(const Drawing& lines) {
   if (count < 2) return 0;
   for (const Element& element : lines.elements)
     for (const Shape& shape : element.shapes)
-      if (!element.loop && shape.fill && inked(*shape.fill) && extent_of(shape).contains(all)) return count;
+      if (!element.loop && shape.fill && inked(*shape.fill) &&
+          shape.layer.value_or(DrawnLayer()).step == PrintStep::conductor && extent_of(shape).contains(all))
+        return count;
   return 0;
 }
 
@@ -99,10 +101,12 @@ std::vector<Warning> check_ink(const Pattern& pattern, const std::optional<Drawi
     check_page(*lines, warnings);
     check_thin(*lines, scale, print_dpi, warnings);
   }
-  const double share = pattern.ink_mm2() / pattern.size_mm().prod();
+  // The ink of several steps lies over each other, and resist covers what it likes.
+  const double share = lines && lines->layered() ? 0 : pattern.ink_mm2() / pattern.size_mm().prod();
   const std::size_t over = lines ? coils_over_a_ground(*lines) : 0;
   if (share > darkest_share || over > 0) {
-    std::string text = "The ink covers " + in_percent(share) + " of the drawing's page";
+    std::string text = "The ink covers " + in_percent(pattern.ink_mm2() / pattern.size_mm().prod()) +
+                       " of the drawing's page";
     if (over > 0)
       text += ", and a filled shape lies under all " + std::to_string(over) + " coils and joins them";
     Warning warning{"pattern-dark", text + "."};

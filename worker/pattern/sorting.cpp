@@ -70,6 +70,7 @@ class Sorting {
       const Shape& s = shape(i);
       filled_.push_back(has_filled(s)), stroked_.push_back(has_stroked(s));
       if (!inked(i) && s.fill && s.fill->a == 1) whites_.push_back(i);
+      layered_ |= s.layer && *s.layer != DrawnLayer();
     }
   }
 
@@ -94,6 +95,7 @@ class Sorting {
   int count() const { return static_cast<int>(pieces_.size()); }
   const Shape& shape(int i) const { return pieces_[i].shape; }
   bool inked(int i) const { return filled_[i] || stroked_[i]; }
+  bool is_layer(int node) const { return layered_ && nodes_[node].layer; }
 
   // Lines with two ends, and the pieces that they are of.
   struct OpenLines {
@@ -158,6 +160,7 @@ class Sorting {
       if (++whites_tried_ > most_split * most_split) return;
       if (!boxes_[i].contains(boxes_[*k])) continue;
       const Shape& over = shape(*k);
+      if (over.layer != s.layer) continue;
       const Area hole = fill_area(over.curves, over.even_odd, fine_mm);
       Area both = area;
       both.insert(both.end(), hole.begin(), hole.end());
@@ -264,7 +267,7 @@ class Sorting {
       return reach <= factor * coils_[coil].reach_mm + more_mm;
     };
     for (int n = pieces_[i].node; n >= 0 && coils_of[n] != many; n = nodes_[n].parent)
-      if (coils_of[n] != none) {
+      if (coils_of[n] != none && !is_layer(n)) {
         if (near(coils_of[n], group_reach, group_reach_mm)) return coils_of[n];
         break;
       }
@@ -312,7 +315,7 @@ class Sorting {
       for (int n = pieces_[i].node;
            n >= 0 && coils_of[n] == none && of_node[n].sizes().maxCoeff() <= widest_group_mm;
            n = nodes_[n].parent)
-        if (!nodes_[n].id.empty() || !nodes_[n].shape) top = n;
+        if (!is_layer(n) && (!nodes_[n].id.empty() || !nodes_[n].shape)) top = n;
       if (top == none) continue;
       const auto [at, first] = first_of_node.emplace(top, i);
       if (!first) sets.join(at->second, i);
@@ -459,6 +462,7 @@ class Sorting {
   std::vector<int> of_piece_;  // coils, then figures
   std::optional<CoilGrid> grid_;
   std::size_t whites_tried_ = 0;
+  bool layered_ = false;  // Drawing::layered()
 };
 
 }  // namespace

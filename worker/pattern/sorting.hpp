@@ -5,7 +5,8 @@
 // four times as large, and one that lies on the trace of another, is a mark.
 //
 // A *mark* is a piece that belongs to a coil: it touches the coil or lies in it and reaches little farther, or a group
-// holds it and no other coil. A line that joins two coils is in no element.
+// holds it and no other coil. A line that joins two coils is in no element. Of a drawing with several layers these are no
+// groups: what is drawn at one place belongs together on all of them, and is printed in register.
 //
 // A *figure* is other ink that holds together: a group of at most 40 mm across that holds no coil, or else pieces near
 // each other, at most 150 mm across. What is larger is in no element. With more than 256 coils and figures, the figures are in none;
@@ -26,6 +27,7 @@ struct FileNode {
   int parent = -1;  // index; -1: none
   bool shape = false;
   std::optional<CoilPlace> place = {};
+  bool layer = false;  // named after a step of printing
 };
 
 // A shape as it was painted. Its curves are one piece: those of several are split by pieces_of() (pieces.hpp).

@@ -46,9 +46,10 @@ Result<void> build_loops(LaidPattern& laid, const ChartedSurface& reverse,
 }
 
 std::string_view name_of(const BuiltLayer& layer) {
-  constexpr std::array<std::array<std::string_view, 3>, 2> names{
-      {{"print", "print-dielectric", "print-bridges"},
-       {"print-reverse", "print-reverse-dielectric", "print-reverse-bridges"}}};
+  constexpr std::array<std::array<std::string_view, 5>, 2> names{
+      {{"print", "print-dielectric", "print-bridges", "print-resist", "print-picture"},
+       {"print-reverse", "print-reverse-dielectric", "print-reverse-bridges", "print-reverse-resist",
+        "print-reverse-picture"}}};
   return names[index(layer.face)][static_cast<std::size_t>(layer.step)];
 }
 

@@ -5,6 +5,7 @@
 #include "api/base/sha256.hpp"
 #include "api/job_inputs.hpp"
 #include "api/version.hpp"
+#include "worker/conductors/covered_pads.hpp"
 #include "worker/forming/inked_face.hpp"
 #include "worker/inspection/array_files.hpp"
 #include "worker/inspection/circuit_figures.hpp"
@@ -131,6 +132,14 @@ Result<std::optional<ElectricalCheck>> check_circuits(const LaidPattern& laid, c
   return std::optional(std::move(check));
 }
 
+std::vector<Warning> circuit_warnings(const LaidPattern& laid, const Print& print,
+                                      const ElectricalCheck& check, const CoilSettings& settings) {
+  std::vector<Warning> out = check.warnings(*laid.lines, settings.clearance_mm);
+  if (auto covered = covered_pads(*laid.lines, laid.placement, *laid.build, ink_of(print), settings))
+    out.push_back(std::move(*covered));
+  return out;
+}
+
 // What the stages made that a finished job does not show.
 struct Made {
   const Identity& identity;
@@ -194,7 +203,7 @@ Result<std::vector<Artifact>> run_stages(const Inputs& inputs, const Use& use, c
     VACUFORM_TRY(circuits,
                  check_circuits(laid, print, charted, reverse, s.coils, measuring.context().silent()));
     if (circuits)
-      for (Warning& warning : circuits->warnings(*laid.lines, s.coils.clearance_mm))
+      for (Warning& warning : circuit_warnings(laid, print, *circuits, s.coils))
         print.warnings.push_back(std::move(warning));
     job.figures.circuits = std::move(circuits);
     job.figures.electrical = circuit_figures(job, vectors);

@@ -139,9 +139,11 @@ void add_lines(const Drawing& drawing, const Placement& placement, const std::ve
     if (!own && !placement.elements.empty() && !element.id.empty()) continue;  // it is not printed
     Domains of_element;
     if (own) of_element.add(placed->patch);
+    // How far resist reaches is no length that anything depends on.
     for (std::size_t s = 0; s < element.shapes.size(); ++s)
       for (std::size_t c = 0; c < element.shapes[s].curves.size(); ++c) {
-        if (measured.contains({e, s, c})) continue;
+        const bool resist = element.shapes[s].layer.value_or(DrawnLayer()).step == PrintStep::resist;
+        if (resist || measured.contains({e, s, c})) continue;
         const std::vector<Vector2d> line = points_of(element.shapes[s].curves[c]);
         out.measure(line, line, own ? of_element : charts, own ? placed->size : scale, static_cast<int>(e));
       }

@@ -72,8 +72,10 @@ std::vector<std::array<Vector2d, 3>> uv_of_corners(const std::vector<Segment>& c
   return uv;
 }
 
+// What resist covers beyond the part is trimmed off with the sheet. A picture is no reason to refuse the circuits.
 Result<void> check_ink(const Layer& layer, std::vector<Warning>& warnings) {
-  if (!(layer.ink_printed > 0))
+  if (layer.step == PrintStep::resist) return {};
+  if (!(layer.ink_printed > 0) && layer.step != PrintStep::picture)
     return fail(Code::unusable_pattern, "none of the drawing's ink falls onto the formed part",
                 "pattern.offset_mm",
                 "move it nearer to the top of the mold, or give a smaller pattern.width_mm");
@@ -174,7 +176,8 @@ std::vector<std::size_t> order_of_printing(const std::vector<Layer>& layers, Ink
 // What the legend of a page says about its step.
 std::string step_text(const Layer& layer, std::size_t number, std::size_t count) {
   if (!layer.step) return {};
-  constexpr std::array<const char*, 3> inks{"conductive ink", "dielectric ink", "conductive ink, bridges"};
+  constexpr std::array<const char*, 5> inks{"conductive ink", "dielectric ink", "conductive ink, bridges",
+                                            "resist", "picture, in its own colours"};
   return "step " + std::to_string(number) + " of " + std::to_string(count) + ": " +
          inks[static_cast<std::size_t>(*layer.step)];
 }

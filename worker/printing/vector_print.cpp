@@ -189,9 +189,10 @@ class PullBack {
 
   // What the elements paint in the pattern, for lines that are tied to them.
   void look_for_ties() {
+    const Drawing& whole = drawing_.whole ? *drawing_.whole : drawing_;
     for (const auto& [index, placed] : placed_) {
       std::vector<Ring> rings;
-      for (const Shape& shape : drawing_.elements[index].shapes) {
+      for (const Shape& shape : whole.elements[index].shapes) {
         if (shape.fill && shape.fill->ink() > 0)
           for (Ring& r : fill_area(shape.curves, shape.even_odd, polygon_tolerance))
             rings.push_back(std::move(r));

@@ -9,16 +9,19 @@ export type Stage = 'scan' | 'forming' | 'flattening' | 'printing' | 'inspection
 export type Scope = 'submit' | 'read' | 'work' | 'admin';
 
 export type ArtifactName = 'print.png' | 'print.svg' | 'print.pdf' | 'print-dielectric.png' | 'print-dielectric.svg' |
-  'print-dielectric.pdf' | 'print-bridges.png' | 'print-bridges.svg' | 'print-bridges.pdf' | 'print-reverse.png' |
-  'print-reverse.svg' | 'print-reverse.pdf' | 'print-reverse-dielectric.png' | 'print-reverse-dielectric.svg' |
-  'print-reverse-dielectric.pdf' | 'print-reverse-bridges.png' | 'print-reverse-bridges.svg' |
-  'print-reverse-bridges.pdf' | 'colours.png' | 'colours.svg' | 'colours.pdf' | 'preview-pattern.png' |
-  'preview-print.png' | 'preview-without.png' | 'preview-with.png' | 'preview-views.png' | 'preview-lengths.png' |
-  'preview-shape.png' | 'preview-area.png' | 'preview-thickness.png' | 'preview-temperature.png' | 'preview-gap.png' |
-  'preview-position.png' | 'preview-colour.png' | 'preview-segments.png' | 'preview-original.png' | 'preview-align.png'
-  | 'preview-findings.png' | 'formed.ply' | 'formed.obj' | 'formed.mtl' | 'formed.glb' | 'uv-map.obj' | 'mold.stl' |
-  'layers.dxf' | 'coils.csv' | 'array.json' | 'array.nec' | 'array.ts' | 'array-marie.msh' | 'array-marie.json' |
-  'array.stl' | 'findings.json' | 'pattern.svg' | 'layout.json' | 'report.json' | 'report.html';
+  'print-dielectric.pdf' | 'print-bridges.png' | 'print-bridges.svg' | 'print-bridges.pdf' | 'print-resist.png' |
+  'print-resist.svg' | 'print-resist.pdf' | 'print-picture.png' | 'print-picture.svg' | 'print-picture.pdf' |
+  'print-reverse.png' | 'print-reverse.svg' | 'print-reverse.pdf' | 'print-reverse-dielectric.png' |
+  'print-reverse-dielectric.svg' | 'print-reverse-dielectric.pdf' | 'print-reverse-bridges.png' |
+  'print-reverse-bridges.svg' | 'print-reverse-bridges.pdf' | 'print-reverse-resist.png' | 'print-reverse-resist.svg' |
+  'print-reverse-resist.pdf' | 'print-reverse-picture.png' | 'print-reverse-picture.svg' | 'print-reverse-picture.pdf' |
+  'colours.png' | 'colours.svg' | 'colours.pdf' | 'preview-pattern.png' | 'preview-print.png' | 'preview-without.png' |
+  'preview-with.png' | 'preview-views.png' | 'preview-lengths.png' | 'preview-shape.png' | 'preview-area.png' |
+  'preview-thickness.png' | 'preview-temperature.png' | 'preview-gap.png' | 'preview-position.png' |
+  'preview-colour.png' | 'preview-segments.png' | 'preview-original.png' | 'preview-align.png' | 'preview-findings.png'
+  | 'formed.ply' | 'formed.obj' | 'formed.mtl' | 'formed.glb' | 'uv-map.obj' | 'mold.stl' | 'layers.dxf' | 'coils.csv' |
+  'array.json' | 'array.nec' | 'array.ts' | 'array-marie.msh' | 'array-marie.json' | 'array.stl' | 'findings.json' |
+  'pattern.svg' | 'layout.json' | 'report.json' | 'report.html';
 
 export interface ProblemBody {
   type: string;

@@ -4,7 +4,7 @@ import type {PrintReport} from './result';
 
 // ---- layers ----
 
-export const steps = ['conductor', 'dielectric', 'bridges'] as const;
+export const steps = ['conductor', 'dielectric', 'bridges', 'resist', 'picture'] as const;
 export type Step = (typeof steps)[number];
 export type Face = 'outer' | 'inner';
 
@@ -26,12 +26,19 @@ export function layersOf(artifacts: readonly Pick<Artifact, 'name'>[], inked: st
   return made.length > 1 ? made.map((layer, i) => ({...layer, number: i + 1})) : [];
 }
 
-// On white, as the formed part in formed.glb has them.
+// Of a layer that conducts: it has the lines of loops.
+export const conducts = ({step}: Pick<Layer, 'step'>): boolean => step === 'conductor' || step === 'bridges';
+
+// On white, as the formed part in formed.glb has them. A picture has the colours of its shapes, and this one in lists.
 export function tintOf({step, reverse}: Pick<Layer, 'step' | 'reverse'>): {colour: string; opacity: number} {
   if (step === 'dielectric') return {colour: '#40a666', opacity: 0.75};
   if (step === 'bridges') return {colour: '#cc590d', opacity: 1};
+  if (step === 'resist') return {colour: '#804dbf', opacity: 0.45};
+  if (step === 'picture') return {colour: '#d43a8c', opacity: 1};
   return {colour: reverse ? '#2659bf' : '#1a1a1a', opacity: 1};
 }
+
+export const fillOf = (layer: Pick<Layer, 'step' | 'reverse'>, own: string): string => layer.step === 'picture' ? own : tintOf(layer).colour;
 
 // In the order of painting: first what lies farthest from an eye on that side of the sheet. Of the face that it looks at, what
 // was printed last lies on top.

@@ -4,6 +4,7 @@ import type {Line} from './result';
 
 export interface InkPath {
   d: string;
+  fill: string;  // its colour in the file
   evenOdd: boolean;
   opacity: number;
 }
@@ -30,8 +31,8 @@ export function pageOf(svg: string): Page {
 
 export function inkOf(svg: string): LayerInk {
   const [, ink, marks] = parts(svg), {mirrored} = pageOf(svg);
-  const paths = [...ink.matchAll(/<path fill="[^"]*"([^>]*) d="([^"]*)"\/>/g)].map(([, more = '', d = '']): InkPath => ({
-    d, evenOdd: more.includes('evenodd'), opacity: Number(/fill-opacity="([^"]*)"/.exec(more)?.[1] ?? 1)}));
+  const paths = [...ink.matchAll(/<path fill="([^"]*)"([^>]*) d="([^"]*)"\/>/g)].map(([, fill = '', more = '', d = '']): InkPath => ({
+    d, fill, evenOdd: more.includes('evenodd'), opacity: Number(/fill-opacity="([^"]*)"/.exec(more)?.[1] ?? 1)}));
   const list = /<g id="mark-gap-numbers">([\s\S]*?)<\/g>/.exec(marks)?.[1] ?? '';
   const numbers = [...list.matchAll(/translate\(([-\d.]+)[ ,]+([-\d.]+)\)[^>]*font-size="([\d.]+)"[^>]*>(\d+)</g)].map(
     ([, x, y, size, text = '']) => ({x: (mirrored ? -1 : 1) * Number(x), y: Number(y), size: Number(size), text}));

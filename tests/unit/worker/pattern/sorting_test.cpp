@@ -327,5 +327,63 @@ TEST(Sorting, PicturesGiveTheSameCoils) {
   }
 }
 
+const std::string ring_on_layer = "<circle r='30' fill='none' stroke='black' stroke-width='3'";
+std::string on_layer(const std::string& name, const std::string& body) {
+  return "<g id='" + name + "'>" + body + "</g>";
+}
+
+// Resist over a coil and a picture in it: neither is a coil, whatever it looks like, and both belong to the coil.
+TEST(Sorting, ResistAndPicturesAreNoCoils) {
+  const Drawing drawing =
+      drawing_of(on_layer("conductor", ring_on_layer + "/>") +
+                 on_layer("resist", "<circle r='30' fill='none' stroke='green' stroke-width='5'/>") +
+                 on_layer("picture", "<circle r='12' fill='none' stroke='red' stroke-width='2'/>"));
+  const auto coils = coils_of(drawing);
+  ASSERT_EQ(coils.size(), 1u);
+  EXPECT_DOUBLE_EQ(coils[0]->loop->width_mm, 3);
+  EXPECT_EQ(coils[0]->shapes.size(), 3u);
+  EXPECT_TRUE(drawing.layered());
+  EXPECT_FALSE(drawing.parts_loops());
+}
+
+// A white disc makes a ring of a black one on its own layer only.
+TEST(Sorting, WhiteOfAnotherLayerMakesNoHole) {
+  const auto loops = [](const std::string& layer) {
+    return coils_of(drawing_of(on_layer("conductor", "<circle r='30'/>") +
+                               on_layer(layer, "<circle r='26' fill='white'/>") +
+                               on_layer("resist", "<rect x='60' y='60' width='9' height='9'/>")))
+        .size();
+  };
+  EXPECT_EQ(loops("conductor"), 1u);
+  EXPECT_EQ(loops("picture"), 0u);
+}
+
+// Programs call groups "image": alone it is no layer.
+TEST(Sorting, APictureAloneIsADrawingWithoutLayers) {
+  const Drawing alone = drawing_of(on_layer("image", ring_on_layer + "/>"));
+  EXPECT_EQ(coils_of(alone).size(), 1u);
+  EXPECT_FALSE(alone.layered());
+  const Drawing white_beside = drawing_of("<rect x='-99' y='-99' width='9' height='9' fill='white'/>" +
+                                          on_layer("image", ring_on_layer + "/>"));
+  EXPECT_FALSE(white_beside.layered());
+}
+
+// A mask of a board: resist on the whole page first, and its openings in white, with the coil that they lie on.
+TEST(Sorting, OpeningsOfAResistTurnWhiteOnThePage) {
+  const Drawing drawing =
+      drawing_of(on_layer("F.Cu", ring_on_layer + "/>") +
+                 on_layer("F.Mask", "<rect x='-3' y='-33' width='6' height='6' fill='#a0f'/>"));
+  const Shape& ground = drawing.elements.front().shapes.front();
+  EXPECT_EQ(*ground.layer, (DrawnLayer{PrintStep::resist}));
+  EXPECT_DOUBLE_EQ(box_of(ground.curves[0]).sizes().x(), page_mm);
+  EXPECT_GT(ground.fill->ink(), 0);
+  const auto coils = coils_of(drawing);
+  ASSERT_EQ(coils.size(), 1u);
+  ASSERT_EQ(coils[0]->shapes.size(), 2u);
+  EXPECT_EQ(coils[0]->shapes[1].layer, ground.layer);
+  EXPECT_EQ(coils[0]->shapes[1].fill->ink(), 0);
+  EXPECT_DOUBLE_EQ(coils[0]->shapes[1].fill->a, 1);
+}
+
 }  // namespace
 }  // namespace vacuform

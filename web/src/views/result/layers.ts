@@ -2,7 +2,7 @@
 import {el, svg, type Children} from '../../dom';
 import {api} from '../../api/client';
 import type {Job} from '../../api/types';
-import {farthestFirst, layersOf, tintOf, withLayer, type Layer} from '../../state/array';
+import {farthestFirst, fillOf, layersOf, tintOf, withLayer, type Layer} from '../../state/array';
 import {inkOf, type LayerInk} from '../../state/ink';
 import type {PrintReport, ResultState} from '../../state/result';
 import {store} from '../../state';
@@ -71,9 +71,9 @@ export function paintInk(context: CanvasRenderingContext2D, {all}: Layers, inks:
   context.scale(1, -1);
   for (const layer of farthestFirst(all, 'outer')) {
     if (hidden.includes(layer.name)) continue;
-    const {colour, opacity} = tintOf(layer);
-    context.fillStyle = colour;
+    const {opacity} = tintOf(layer);
     for (const path of inks.get(layer.name)?.paths ?? []) {
+      context.fillStyle = fillOf(layer, path.fill);
       context.globalAlpha = opacity * path.opacity;
       context.fill(new Path2D(path.d), path.evenOdd ? 'evenodd' : 'nonzero');
     }

@@ -12,6 +12,7 @@ import {readFormed} from '../../read/formed';
 import {toJob} from '../../route';
 import {announce, store} from '../../state';
 import {centreLines, modes, queryOf, selected, type Coil, type HeatMap, type Line, type MapName, type PrintReport, type ResultState} from '../../state/result';
+import {conducts} from '../../state/array';
 import {wholeLines} from '../../state/ink';
 import {colourAt, css, marksOf, noValue, touches, touchesNot} from '../../scene/colour';
 import type {Sheet, Spot, Viewer} from '../../scene/sheet';
@@ -358,7 +359,7 @@ export function partView(job: Job, report: PrintReport, model: Model, coils: rea
   // The centre lines come from the print itself; without them coils cannot be outlined.
   async function loadLines(): Promise<void> {
     if (coils.length === 0) return;
-    const names = layers.all.length > 0 ? layers.all.filter(({step}) => step !== 'dielectric').map(({name}) => name) : ['print'];
+    const names = layers.all.length > 0 ? layers.all.filter(conducts).map(({name}) => name) : ['print'];
     lines = wholeLines((await Promise.all(names.map(layers.text))).map(centreLines));
     paint();
   }

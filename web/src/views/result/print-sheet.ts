@@ -3,7 +3,7 @@ import {el, jumpTo, svg, type Children} from '../../dom';
 import type {Job} from '../../api/types';
 import {icon} from '../../parts/icon';
 import {later, pictureOf} from '../../parts/later';
-import {farthestFirst, tintOf, type Layer} from '../../state/array';
+import {farthestFirst, fillOf, tintOf, type Layer} from '../../state/array';
 import {marksOnly, pageOf, type LayerInk, type Page} from '../../state/ink';
 import type {PrintReport} from '../../state/result';
 import {t} from '../../text';
@@ -18,7 +18,7 @@ function inkGroup(layer: Layer, {paths, numbers}: LayerInk, mirrored: boolean): 
   const {colour, opacity} = tintOf(layer);
   return svg('g', {'data-layer': layer.name, fill: colour},
     svg('g', mirrored ? {transform: 'scale(-1 1)'} : {}, ...paths.map((path) => svg('path', {
-      d: path.d, 'fill-opacity': opacity * path.opacity, ...(path.evenOdd && {'fill-rule': 'evenodd'})}))),
+      d: path.d, fill: fillOf(layer, path.fill), 'fill-opacity': opacity * path.opacity, ...(path.evenOdd && {'fill-rule': 'evenodd'})}))),
     ...numbers.map(({x, y, size, text}) => svg('text', {x: mirrored ? -x : x, y, 'font-size': size, 'text-anchor': 'middle'}, text)));
 }
 
