@@ -37,6 +37,8 @@ enum class CoilBuild { single, two_faces, bridges };
 enum class GapRule { count, frequency };
 enum class CapacitorCase { c0805, c1111, custom, printed };
 enum class PortSide { edge, top };
+// Where the tails of the loops end beside the head; front and back as of ArrayRegion.
+enum class TailExit { none, nearest, front, back };
 // Front is the half of the formed part towards +y, back the other; scan.yaw_deg turns the head.
 enum class ArrayRegion { dome, front, back };
 enum class InkedFace { outer, inner };
@@ -168,9 +170,11 @@ struct CoilSettings {
   int gaps = 0;
   CapacitorCase capacitor = CapacitorCase::c0805;
   double gap_mm = 1, pad_length_mm = 1,
-         pad_width_mm = 1.5;       // of a custom case: between the pads, along, across
-  double plate_width_mm = 8;       // of printed capacitors, across the trace
-  PortSide port = PortSide::edge;  // where the cables leave
+         pad_width_mm = 1.5;        // of a custom case: between the pads, along, across
+  double plate_width_mm = 8;        // of printed capacitors, across the trace
+  PortSide port = PortSide::edge;   // where the cables leave
+  TailExit tails = TailExit::none;  // two leads from each port to pads beside the head
+  double tail_width_mm = 1.5;       // of each of the two leads
 };
 
 // Loops as circuits at their frequency (worker/electrical).

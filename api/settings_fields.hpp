@@ -36,6 +36,7 @@ inline constexpr std::array<std::string_view, 3> build_names{"single", "two_face
 inline constexpr std::array<std::string_view, 4> case_names{"0805", "1111", "custom", "printed"};
 inline constexpr std::array<std::string_view, 2> rule_names{"count", "frequency"};
 inline constexpr std::array<std::string_view, 2> port_names{"edge", "top"};
+inline constexpr std::array<std::string_view, 4> tail_names{"none", "nearest", "front", "back"};
 inline constexpr std::array<std::string_view, 3> region_names{"dome", "front", "back"};
 inline constexpr std::array<std::string_view, 2> face_names{"outer", "inner"};
 inline constexpr std::array<std::string_view, 2> background_names{"white", "transparent"};
@@ -62,6 +63,7 @@ inline std::span<const std::string_view> names_of(CoilBuild) { return build_name
 inline std::span<const std::string_view> names_of(CapacitorCase) { return case_names; }
 inline std::span<const std::string_view> names_of(GapRule) { return rule_names; }
 inline std::span<const std::string_view> names_of(PortSide) { return port_names; }
+inline std::span<const std::string_view> names_of(TailExit) { return tail_names; }
 inline std::span<const std::string_view> names_of(ArrayRegion) { return region_names; }
 inline std::span<const std::string_view> names_of(InkedFace) { return face_names; }
 inline std::span<const std::string_view> names_of(Background) { return background_names; }
@@ -290,6 +292,13 @@ void describe(S& s, V& v) {
           "Plates of printed capacitors, across the trace");
   v.field("port", s.coils.port,
           "Where the cables leave: each loop's port is on its side towards the edge, or the top");
+  v.field(
+      "tails", s.coils.tails,
+      "A tail for each loop: two printed leads from its port to pads beside the head, by the shortest way "
+      "(nearest), or to "
+      "its front or back");
+  v.field("tail_width_mm", s.coils.tail_width_mm, {0.2, 10, "mm"},
+          "Width of each of the two leads of a tail; they are as far apart as the port is wide");
 
   v.group("circuit", "Circuit: the loops at their frequency");
   v.field("frequency_mhz", s.circuit.frequency_mhz, {1, 1000, "MHz"},

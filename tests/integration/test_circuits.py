@@ -13,7 +13,7 @@ import xml.etree.ElementTree as ElementTree
 import ezdxf
 import numpy
 from shapely import affinity
-from shapely.geometry import LinearRing, Polygon, box
+from shapely.geometry import LinearRing, LineString, Point, Polygon, box
 from shapely.ops import nearest_points, unary_union
 
 import made_scans
@@ -25,7 +25,7 @@ FAST = ["--set", "sheet.resolution_mm=4", "--set", "print.dpi=72", "--set", "coi
 CLEARANCE = 0.5
 
 
-def areas(path):
+def areas(path, chords=8):
     """The painted polygons of a layer, by the id of their element, in sheet coordinates before any mirroring."""
     out = collections.defaultdict(list)
     if not path.exists():
@@ -34,7 +34,7 @@ def areas(path):
     for group in pattern.iter(SVG + "g"):
         for shape in group.findall(SVG + "path"):
             if shape.get("class") != "centreline":
-                rings = [points_of("M" + part) for part in shape.get("d").split("M")[1:]]
+                rings = [points_of("M" + part, chords) for part in shape.get("d").split("M")[1:]]
                 outer = unary_union([Polygon(ring).buffer(0) for ring in rings])
                 if len(rings) > 1:  # holes, by even and odd
                     outer = Polygon()
@@ -98,6 +98,59 @@ class Nets:
         return least
 
 
+class Tails:
+    """The tails of a folder, read from the centre lines of their leads."""
+
+    def __init__(self, folder, report):
+        ply = meshes.Ply((folder / "formed.ply").read_bytes())
+        self.sheets = {"outer": FormedSheet(ply), "inner": FormedSheet(ply)}
+        self.sheets["inner"].solid = ply.points
+        self.tails = {coil["id"]: (coil["face"], coil["tail"]) for coil in report["circuits"]["coils"] if coil["tail"]}
+        self.files = {"outer": "print", "inner": "print-reverse"}
+        self.lines = collections.defaultdict(list)
+        for face, file in self.files.items():
+            if not (folder / f"{file}.svg").exists():
+                continue
+            pattern = next(g for g in ElementTree.parse(folder / f"{file}.svg").getroot().iter(SVG + "g") if g.get("id") == "pattern")
+            for group in pattern.iter(SVG + "g"):
+                for path in group.findall(SVG + "path"):
+                    # The loops of these arrays have other widths.
+                    if path.get("class") == "centreline" and float(path.get("data-width-mm")) == 1.5:
+                        self.lines[face, group.get("id")].append(points_of(path.get("d"), 64))
+
+    def place(self, face, p):
+        return numpy.array(self.sheets[face].place(p[0], -p[1]))
+
+    def pads(self, id):
+        """The ends of its leads that lie at its pads, sheet coordinates."""
+        face, tail = self.tails[id]
+        ends = [(line[-1], line[-40 if len(line) > 40 else 0]) for line in self.lines[face, id]
+                if math.dist(self.place(face, line[-1]), tail["pads_mm"]) < 3]
+        return [numpy.array(end) + 0.3 * (numpy.array(before) - end) / math.dist(before, end) for end, before in ends]
+
+    def widths(self, id, ink):
+        """Across the leads, on the part: from the middle of each to the edges of the ink."""
+        face, _ = self.tails[id]
+        for line in self.lines[face, id]:
+            at = numpy.array([p for i, p in enumerate(line) if i == 0 or math.dist(p, line[i - 1]) > 1e-6])
+            along = numpy.concatenate([[0], numpy.cumsum(numpy.linalg.norm(numpy.diff(at, axis=0), axis=1))])
+            for mm in numpy.arange(7, along[-1] - 9, 4):
+                p, a, b = (numpy.array([numpy.interp(x, along, at[:, k]) for k in (0, 1)]) for x in (mm, mm - 0.8, mm + 0.8))
+                ahead = self.place(face, b) - self.place(face, a)
+                turn = (b - a) / math.dist(a, b)
+                # The way across on the part: the one at a right angle there.
+                gradient = [(self.place(face, p + 0.4 * e) - self.place(face, p - 0.4 * e)) @ ahead for e in numpy.eye(2)]
+                across = numpy.array([-gradient[1], gradient[0]]) / math.hypot(*gradient)
+                across = across if across[0] * -turn[1] + across[1] * turn[0] > 0 else -across
+                width = 0
+                for side in (1, -1):
+                    ray = LineString([p, p + side * 1.4 * across]).intersection(ink)
+                    ray = next((g for g in getattr(ray, "geoms", [ray]) if g.distance(Point(p)) < 1e-6), None)
+                    steps = [self.place(face, p + side * across * x) for x in numpy.linspace(0, ray.length if ray else 0, 8)]
+                    width += sum(math.dist(s, t) for s, t in zip(steps, steps[1:]))
+                yield width
+
+
 class Circuits(Case):
     def run_array(self, head, count, *settings):
         name = f"{head.stem}-{count}"
@@ -142,6 +195,60 @@ class Circuits(Case):
                 self.assertEqual({c["face"] for c in report["circuits"]["coils"]}, {"outer", "inner"})
                 couplings = report["figures"]["with"]["coils"]
                 self.assertLess(abs(couplings["strongest_neighbours"]["k"]), 0.01)
+
+    def check_tails(self, head, count, build, most_left_out=0):
+        """As check(), and each loop's two leads lead from the two sides of its port to two pads beside the head."""
+        out, report = self.run_array(head, count, f"coils.build={build}", "coils.gaps=4", "coils.tails=nearest")
+        circuits = report["circuits"]
+        self.assertEqual((circuits["loops"], circuits["nets"], circuits["shorts"], circuits["opens"], circuits["close"]), (count, count, [], [], []), out)
+        read = Nets(out)
+        nets = read.nets()
+        self.assertTrue(all(len(net) == 1 for net in nets), [net for net in nets if len(net) > 1])
+        by_loop = collections.Counter(next(iter(net)) for net in nets)
+        self.assertEqual(set(by_loop.values()), {4}, by_loop)
+        tails = Tails(out, report)
+        self.assertGreaterEqual(len(tails.tails), count - most_left_out)
+        left_out = [w for w in report["warnings"] if w["code"] == "tails-left-out"]
+        self.assertEqual(sum(w["figure"]["value"] for w in left_out), count - len(tails.tails))
+        self.assertGreater(read.least_clearance(tails.sheets["outer"]), CLEARANCE - 0.03)
+        widths = []
+        for id, (face, tail) in tails.tails.items():
+            ends = tails.pads(id)
+            self.assertEqual(len(ends), 2, id)
+            self.assertAlmostEqual(math.dist(*(tails.place(face, p) for p in ends)), 2.54, delta=0.1)
+            held = [next(read.root(i) for i, (of, part) in enumerate(read.parts) if of == id and part.buffer(0.01).contains(Point(p))) for p in ends]
+            self.assertNotEqual(*held, "the leads end on the two sides of the port")
+            # Beside the port, which is between them: one of the loop's gaps, the only one without two pieces of one lead.
+            port = next(gap["place_mm"] for coil in circuits["coils"] if coil["id"] == id for gap in coil["gaps"] if gap["port"])
+            for net in held:
+                near = min(math.dist(tails.place(face, p), port) for i, (of, part) in enumerate(read.parts) if read.root(i) == net
+                           for p in part.exterior.coords)
+                self.assertLess(near, 1.5, id)
+            ink = unary_union(areas(out / f"{tails.files[face]}.svg", 64)[id])
+            widths += list(tails.widths(id, ink))
+            self.assertLess(abs(tail["ohm"] / (2 * 0.025 * tail["length_mm"] / 1.5) - 1), 1.2, id)
+        errors = numpy.array(widths) - 1.5
+        self.assertGreater(len(errors), 100)
+        self.assertLess(abs(errors.mean()), 0.02)
+        self.assertLess(numpy.percentile(abs(errors), 95), 0.08, sorted(errors))
+        rows = [row for row in csv.DictReader((out / "coils.csv").read_text().splitlines()) if row["tail_mm"]]
+        self.assertEqual([float(row["tail_mm"]) for row in rows], [tail["length_mm"] for _, tail in tails.tails.values()])
+        self.assertEqual({row["kind"] for row in rows}, {"port"})
+        return out, report, errors
+
+    def test_tails_of_arrays_with_bridges(self):
+        self.check_tails(made_scans.adult(), 16, "bridges")
+
+    def test_tails_of_arrays_on_two_faces(self):
+        for head in (made_scans.adult(), made_scans.newborn()):
+            with self.subTest(head=head.stem):
+                out, report, _ = self.check_tails(head, 16, "two_faces")
+                self.assertTrue(all(coil["tail"] for coil in report["circuits"]["coils"]))
+                numbers = [str(coil["tail"]["number"]) for coil in report["circuits"]["coils"]]
+                printed = collections.Counter(
+                    text.text for file in out.glob("print*.svg") for marks in ElementTree.parse(file).getroot().iter(SVG + "g")
+                    if marks.get("id") == "mark-gap-numbers" for text in marks.iter(SVG + "text"))
+                self.assertEqual([printed[number] for number in numbers], [2] * 16, "beside the port, and beside its pads")
 
     def test_printed_capacitors_have_what_is_said(self):
         """From the polygons of both faces and the formed sheet: permittivity times area over thickness, which forming divides by the

@@ -61,7 +61,7 @@ class FormedSheet:
         return sum(math.dist(a, b) for a, b in zip(places, places[1:]))
 
 
-def points_of(d):
+def points_of(d, chords=8):
     """The polyline of a path of M, L, C and Z."""
     line, start = [], None
     words = re.findall(r"[MLCZ]|-?[\d.]+", d)
@@ -82,8 +82,8 @@ def points_of(d):
             line += fine(line[-1], (n[0], n[1]))
         else:
             p, a, b, q = line[-1], n[0:2], n[2:4], n[4:6]
-            for i in range(1, 9):
-                t = i / 8
+            for i in range(1, chords + 1):
+                t = i / chords
                 line.append(tuple((1 - t) ** 3 * p[k] + 3 * t * (1 - t) ** 2 * a[k] + 3 * t * t * (1 - t) * b[k] + t ** 3 * q[k] for k in (0, 1)))
     return line
 

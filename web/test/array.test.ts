@@ -90,6 +90,14 @@ test('a printed capacitor has what is printed, and its tolerance', () => {
   assert.equal(gapsOf({circuits})[0]?.printed, true);
 });
 
+test('a port says how long its tail is', () => {
+  const port = {number: 1, port: true, drawn: false, wanted_pf: 40, standard_pf: 39, plate: null, place_mm: [1, 2, 3]};
+  const gaps = [port, {...port, number: 2, port: false}], tail = {length_mm: 84.2, ohm: 1.5, inductance_nh: 60};
+  const circuits = {coils: [{id: 'a', face: 'outer', tail}, {id: 'b', face: 'outer', tail: null}],
+    electrical: {frequency_mhz: 127.74, loops: [{id: 'a', gaps}, {id: 'b', gaps: [{...port, number: 3}]}]}} as unknown as Circuits;
+  assert.deepEqual(gapsOf({circuits}).map((gap) => gap.tail), [84.2, 0, 0]);
+});
+
 const page = (mirrored: boolean): string => `<?xml version="1.0"?>
 <svg xmlns="http://www.w3.org/2000/svg" viewBox="-130.000 -100.000 260.000 200.000">
   <g id="pattern"${mirrored ? ' transform="scale(-1 1)"' : ''}>

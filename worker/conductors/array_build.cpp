@@ -11,6 +11,7 @@
 #include "worker/conductors/crossings.hpp"
 #include "worker/conductors/faces.hpp"
 #include "worker/conductors/interrupted.hpp"
+#include "worker/conductors/other_ink.hpp"
 #include "worker/pattern/drawn_loop.hpp"
 #include "worker/stage/index.hpp"
 
@@ -22,11 +23,11 @@ using Eigen::Vector2d;
 
 class Build {
  public:
-  Build(const Drawing& drawing, const Placement& placement, const ChartedSurface& charted,
+  Build(const Drawing& drawing, const Placement& placement, const SheetSides& sides,
         const std::optional<BodyBelow>& body, const Settings& settings)
       : drawing_(drawing),
         placement_(placement),
-        charted_(charted),
+        sides_(sides),
         body_(body),
         settings_(settings),
         layered_(drawing.layered()),
@@ -50,11 +51,15 @@ class Build {
     lay_traces();
     bridge(found);
     cover();
-    GapLayout layout = lay_gaps(loops_, charted_.border(), body_, settings_);
+    GapLayout layout = lay_gaps(loops_, sides_.reverse.border(), body_, settings_);
     build_.gaps = std::move(layout.gaps);
     build_.warnings.insert(build_.warnings.end(), layout.warnings.begin(), layout.warnings.end());
     if (settings_.print.compensate_width) widen();
     make_layers();
+    if (settings_.coils.tails != TailExit::none) add_tails();
+    std::sort(build_.layers.begin(), build_.layers.end(), [](const BuiltLayer& a, const BuiltLayer& b) {
+      return std::pair(a.face, a.step) < std::pair(b.face, b.step);
+    });
     return std::move(build_);
   }
 
@@ -88,7 +93,8 @@ class Build {
 
   Result<void> place_on_reverse(const Context& context) {
     if (build_.reverse) return {};
-    VACUFORM_TRY(reverse, on_other_face(charted_, drawing_, placement_, settings_.pattern.scale, context));
+    VACUFORM_TRY(reverse,
+                 on_other_face(sides_.reverse, drawing_, placement_, settings_.pattern.scale, context));
     build_.reverse = std::move(reverse);
     return {};
   }
@@ -271,17 +277,18 @@ class Build {
     return Islands(rings);
   }
 
-  Drawing& layer(PrintStep step, int face) {
+  BuiltLayer& built_layer(PrintStep step, int face) {
     for (BuiltLayer& layer : build_.layers)
-      if (layer.step == step && layer.face == face) return layer.drawing;
+      if (layer.step == step && layer.face == face) return layer;
     BuiltLayer& out = build_.layers.emplace_back(BuiltLayer{step, face, drawing_});
     out.drawing.whole = whole_;
     for (Element& element : out.drawing.elements) {
       element.shapes.clear();
       element.loop.reset();
     }
-    return out.drawing;
+    return out;
   }
+  Drawing& layer(PrintStep step, int face) { return built_layer(step, face).drawing; }
 
   void make_layers() {
     layer(PrintStep::conductor, 0);
@@ -324,9 +331,59 @@ class Build {
                            {gap.along.from - gap.plate->before, gap.along.to + gap.plate->after},
                            drawn_width(settings_.coils.plate_width_mm)));
     leave_out_empty_layers();
-    std::sort(build_.layers.begin(), build_.layers.end(), [](const BuiltLayer& a, const BuiltLayer& b) {
-      return std::pair(a.face, a.step) < std::pair(b.face, b.step);
-    });
+  }
+
+  void add_tails() {
+    std::vector<double> widest;
+    for (const LaidLoop& loop : loops_)
+      widest.push_back(build_.widened.empty() ? 1 : build_.widened[index(loop.element)].widest);
+    const PatchOf patch_of = [&](std::size_t e, int face) -> std::vector<const Patch*> {
+      const Placement& placement = build_.placement(face, placement_);
+      if (placed_[e] >= 0) return {&placement.elements[index(placed_[e])].patch};
+      std::vector<const Patch*> out;
+      for (const Segment& chart : placement.charts) out.push_back(&chart.patch);
+      return out;
+    };
+    TailLayout tails =
+        lay_tails({loops_,
+                   build_.gaps,
+                   build_.faces,
+                   widest,
+                   {&sides_.first, &sides_.reverse},
+                   ink_beside_traces(build_.layers, build_.faces, widest_by_element(widest), patch_of)},
+                  settings_);
+    for (const Tail& tail : tails.tails)
+      for (const TailCrossing& crossing : tail.crossings)
+        layer(PrintStep::dielectric, build_.faces[index(tail.coil)])
+            .elements[index(crossing.under)]
+            .shapes.push_back(along_loop(trace_of(crossing.under).path(), crossing.patch,
+                                         drawn_width(crossing.patch_width_mm)));
+    for (LaidInkArea& ink : tails.ink) built_layer(ink.step, ink.face).laid.push_back(std::move(ink));
+    build_.tails = std::move(tails.tails);
+    say_left_out(tails.left_out);
+  }
+
+  void say_left_out(const std::vector<int>& elements) {
+    if (elements.empty()) return;
+    Warning warning{.code = "tails-left-out", .text = {}};
+    warning.text =
+        std::to_string(elements.size()) +
+        (elements.size() == 1 ? " loop has a port without a tail" : " loops have ports without tails") +
+        ": no way leads from it to the edge";
+    warning.figure = Warning::Figure{static_cast<double>(elements.size()), "loops", 0.0};
+    for (const int e : elements) {
+      warning.place += (warning.place.empty() ? "" : ", ") + drawing_.elements[index(e)].id;
+      for (const LoopGap& gap : build_.gaps)
+        if (gap.coil == e && gap.port && warning.marks.size() < Warning::most_marks)
+          warning.marks.push_back({{gap.place.x(), gap.place.y(), gap.place.z()}, 5});
+    }
+    build_.warnings.push_back(std::move(warning));
+  }
+
+  std::vector<double> widest_by_element(const std::vector<double>& widest) const {
+    std::vector<double> out(drawing_.elements.size(), 0);
+    for (std::size_t i = 0; i < loops_.size(); ++i) out[index(loops_[i].element)] = widest[i];
+    return out;
   }
 
   // A layer with nothing but white on it would be an empty page. The first layer is what the print is, and is kept.
@@ -383,7 +440,7 @@ class Build {
 
   const Drawing& drawing_;
   const Placement& placement_;
-  const ChartedSurface& charted_;
+  const SheetSides& sides_;
   const std::optional<BodyBelow>& body_;
   const Settings& settings_;
   const bool layered_, parted_;  // see Drawing
@@ -396,10 +453,10 @@ class Build {
 
 }  // namespace
 
-Result<ArrayBuild> build_array(const Drawing& drawing, const Placement& placement,
-                               const ChartedSurface& reverse, const std::optional<BodyBelow>& body,
-                               const Settings& settings, const Context& context) {
-  return Build(drawing, placement, reverse, body, settings).run(context);
+Result<ArrayBuild> build_array(const Drawing& drawing, const Placement& placement, const SheetSides& sides,
+                               const std::optional<BodyBelow>& body, const Settings& settings,
+                               const Context& context) {
+  return Build(drawing, placement, sides, body, settings).run(context);
 }
 
 }  // namespace vacuform

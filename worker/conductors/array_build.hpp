@@ -8,6 +8,7 @@
 #include "api/print_step.hpp"
 #include "worker/conductors/bridges.hpp"
 #include "worker/conductors/gap_layout.hpp"
+#include "worker/conductors/tails.hpp"
 #include "worker/conductors/widened.hpp"
 #include "worker/placement/placement.hpp"
 
@@ -19,6 +20,7 @@ struct BuiltLayer {
   PrintStep step = PrintStep::conductor;
   int face = 0;  // 0: that of pattern.inked_face, 1: the other
   Drawing drawing;
+  std::vector<LaidInkArea> laid = {};  // beside what is drawn, in sheet coordinates
 };
 
 struct ArrayBuild {
@@ -33,7 +35,8 @@ struct ArrayBuild {
   std::vector<Bridge> bridges;        // one where loops on one face cross; none with coils.build=single
   std::vector<LoopGap> gaps;          // by coil
   std::vector<WidenedTrace> widened;  // by Drawing::elements, with print.compensate_width
-  // "bridges-crowded", "gaps-left-out", "layer-empty", "layer-unnamed", "loop-on-bridges", "plates-small"
+  std::vector<Tail> tails;            // by coil, with coils.tails
+  // "bridges-crowded", "gaps-left-out", "layer-empty", "layer-unnamed", "loop-on-bridges", "plates-small", "tails-left-out"
   std::vector<Warning> warnings;
 
   const Placement& placement(int face, const Placement& given) const {
@@ -41,12 +44,17 @@ struct ArrayBuild {
   }
 };
 
-// What `placement` places of `drawing`, built as settings.coils asks. `reverse`: the other face of the same sheet, with the
-// same triangles. What is no loop stays as it is, on the first face, or that of the coil it follows. A drawing with layers
-// (Drawing::layered()) is printed as they say; settings.coils builds its loops if they do not part them. `body` loads the loops, for printed capacitors. Deterministic. Errors: cancelled; bad_settings: both the drawing and
-// coils.build say how loops are parted.
-Result<ArrayBuild> build_array(const Drawing& drawing, const Placement& placement,
-                               const ChartedSurface& reverse, const std::optional<BodyBelow>& body,
-                               const Settings& settings, const Context& context);
+// The inked face, on which the placement lies, and the other face of the same sheet, with the same triangles.
+struct SheetSides {
+  const ChartedSurface &first, &reverse;
+};
+
+// What `placement` places of `drawing`, built as settings.coils asks. What is no loop stays as it is, on the first face, or that of
+// the coil it follows. A drawing with layers (Drawing::layered()) is printed as they say; settings.coils builds its loops if
+// they do not part them. `body` loads the loops, for printed capacitors. Deterministic. Errors: cancelled; bad_settings: both
+// the drawing and coils.build say how loops are parted.
+Result<ArrayBuild> build_array(const Drawing& drawing, const Placement& placement, const SheetSides& sides,
+                               const std::optional<BodyBelow>& body, const Settings& settings,
+                               const Context& context);
 
 }  // namespace vacuform

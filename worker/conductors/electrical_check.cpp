@@ -254,6 +254,7 @@ class Check {
       add_shorts(loops);
     }
     add_plates();
+    add_tails();
     std::sort(found_.shorts.begin(), found_.shorts.end(),
               [](const auto& x, const auto& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); });
   }
@@ -296,6 +297,24 @@ class Check {
       if (!is_new)
         found_.shorts.push_back(
             {std::min(gap.coil, net->second), std::max(gap.coil, net->second), gap.place, 0});
+    }
+  }
+
+  // Both pads of a tail are joined to its loop.
+  void add_tails() {
+    for (const Tail& tail : build_.tails) {
+      const auto loop = std::find_if(loops_.begin(), loops_.end(),
+                                     [&](const WalkedLoop& each) { return each.element == tail.coil; });
+      if (loop == loops_.end()) continue;
+      const Face& face = face_of_loop(tail.coil);
+      const auto joined = [&](const Vector2d& pad) {
+        const int island = face.conductor.at(pad);
+        return island >= 0 && std::any_of(loop->islands.begin(), loop->islands.end(), [&](int of_loop) {
+                 return groups_.of(of_loop) == groups_.of(face.first_conductor + island);
+               });
+      };
+      if (!joined(tail.pads[0]) || !joined(tail.pads[1]))
+        found_.opens.push_back({tail.coil, tail.coil, tail.place, 0});
     }
   }
 

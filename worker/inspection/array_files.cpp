@@ -58,6 +58,12 @@ std::string field(const std::string& text) {
   return out + "\"";
 }
 
+const Tail* tail_of(const Finished& job, int element) {
+  const auto at = std::find_if(job.build->tails.begin(), job.build->tails.end(),
+                               [&](const Tail& tail) { return tail.coil == element; });
+  return at == job.build->tails.end() ? nullptr : &*at;
+}
+
 Json matrix(const CouplingMatrix& of, const std::vector<int>& which) {
   Json rows = Json::array();
   for (const int a : which) {
@@ -202,7 +208,8 @@ std::optional<Warning> small_capacitors(const Finished& job) {
 }
 
 std::string coils_csv(const Finished& job) {
-  std::string out = "number,loop,gap,kind,wanted_pF,value_pF,detuning_percent,x_mm,y_mm,z_mm\r\n";
+  std::string out =
+      "number,loop,gap,kind,wanted_pF,value_pF,detuning_percent,x_mm,y_mm,z_mm,tail_mm,tail_ohm,tail_nH\r\n";
   for (std::size_t i = 0; i < job.figures.electrical->loops.size(); ++i) {
     int gap = 0;
     for (const Soldered& each : soldered(job, i)) {
@@ -219,6 +226,14 @@ std::string coils_csv(const Finished& job) {
         add_number(out, 100 * each.standard.detuning, 2, ',');
       for (const double mm : {each.gap->place.x(), each.gap->place.y(), each.gap->place.z()})
         add_number(out, mm, 1, ',');
+      const Tail* const tail = port ? tail_of(job, each.gap->coil) : nullptr;
+      if (tail) {
+        add_number(out, tail->length_mm, 1, ',');
+        add_number(out, tail_ohm(*tail, job.settings.circuit), 3, ',');
+        add_number(out, tail->inductance_nh, 1, ',');
+      } else {
+        out += ",,,";
+      }
       out += "\r\n";
     }
   }

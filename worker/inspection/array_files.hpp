@@ -16,7 +16,7 @@ nlohmann::ordered_json electrical_json(const Finished& job);
 // "capacitors-small": capacitors to solder below least_gap_pf (gaps.hpp), which stray capacitance detunes.
 std::optional<Warning> small_capacitors(const Finished& job);
 
-// coils.csv: a row for each gap, with the capacitor to solder and its place; fields by commas, as RFC 4180 has them.
+// coils.csv: a row for each gap, with the capacitor to solder and its place, and of a port its tail; fields by commas, as RFC 4180 has them.
 std::string coils_csv(const Finished& job);
 
 // array.json: the same with the matrices of coupling, of the currents that a current in the loop of the row drives in that of

@@ -1,7 +1,9 @@
 #include "worker/inspection/circuits_json.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "worker/electrical/tuning.hpp"
 #include "worker/forming/inked_face.hpp"
 #include "worker/inspection/array_files.hpp"
 #include "worker/inspection/json_numbers.hpp"
@@ -12,6 +14,28 @@ namespace vacuform {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+// Of the tail of a loop; null without one.
+Json tail_json(const Finished& job, int element) {
+  const auto tail = std::find_if(job.build->tails.begin(), job.build->tails.end(),
+                                 [&](const Tail& each) { return each.coil == element; });
+  if (tail == job.build->tails.end()) return nullptr;
+  Json crossings = Json::array();
+  for (const TailCrossing& crossing : tail->crossings)
+    crossings.push_back(
+        {{"under", job.placed->elements[index(crossing.under)].id}, {"place_mm", array(crossing.place, 1)}});
+  const double omega = angular_frequency(job.settings.circuit.frequency_mhz);
+  return {{"number", tail->number},
+          {"length_mm", rounded(tail->length_mm, 1)},
+          {"width_mm", rounded(tail->width_mm, 2)},
+          {"between_mm", rounded(tail->between_mm, 2)},
+          {"ohm", rounded(tail_ohm(*tail, job.settings.circuit), 3)},
+          {"inductance_nh", rounded(tail->inductance_nh, 1)},
+          {"reactance_ohm", rounded(omega * tail->inductance_nh * 1e-9, 1)},
+          {"most_stretch", rounded(tail->most_stretch, 3)},
+          {"pads_mm", array(tail->place, 1)},
+          {"crossings", std::move(crossings)}};
+}
 
 }  // namespace
 
@@ -45,7 +69,8 @@ Json circuits_json(const Finished& job) {
                                     ? Json()
                                     : Json(rounded(job.build->widened[index(placed.element)].widest, 2))},
                      {"face", name(job.build->faces[index(placed.element)] == 0 ? face : other_face(face))},
-                     {"gaps", std::move(gaps)}});
+                     {"gaps", std::move(gaps)},
+                     {"tail", tail_json(job, placed.element)}});
   }
   for (const Bridge& bridge : job.build->bridges)
     bridges.push_back({{"over", id(bridge.over())},

@@ -80,6 +80,38 @@ std::string capacitors_table(const ReportJson& electrical) {
       rows);
 }
 
+std::string tails_table(const ReportJson& circuits) {
+  html::Rows rows;
+  for (const ReportJson& coil : circuits["coils"]) {
+    const ReportJson& tail = coil["tail"];
+    if (!tail.is_object()) continue;
+    const ReportJson& place = tail["pads_mm"];
+    std::string over;
+    for (const ReportJson& crossing : tail["crossings"])
+      over += (over.empty() ? "" : ", ") + text_of(crossing["under"]);
+    rows.push_back({number_text(tail["number"], 0), text_of(coil["id"]), number_text(tail["length_mm"], 0),
+                    number_text(tail["ohm"], 2), number_text(tail["inductance_nh"], 0),
+                    number_text(tail["reactance_ohm"], 0), number_text(tail["most_stretch"], 2), over,
+                    number_text(place[0], 1), number_text(place[1], 1), number_text(place[2], 1)});
+  }
+  if (rows.empty()) return "";
+  return html::table(
+      "Tails: two leads from each port to its pads, which have the number of the port. R and L are those of "
+      "both leads together, and are in series with the port",
+      {{"Number"},
+       {"Loop"},
+       {"Length, mm", true},
+       {"R, Ω", true},
+       {"L, nH", true},
+       {"ωL, Ω", true},
+       {"Stretch", true},
+       {"Over"},
+       {"x, mm", true},
+       {"y, mm", true},
+       {"z, mm", true}},
+      rows);
+}
+
 std::string couplings_picture(const ReportJson& report) {
   const ReportJson &ids = at(report, {"couplings", "coils"}), &k = at(report, {"couplings", "k"});
   if (!k.is_array()) return "";
@@ -101,10 +133,11 @@ std::string circuits_text(const ReportJson& report) {
   const auto counted = [](std::size_t count, const std::string& what) {
     return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
   };
-  std::size_t gaps = 0, reverse = 0;
+  std::size_t gaps = 0, reverse = 0, tails = 0, over = 0;
   double widest = 1;
   for (const ReportJson& coil : circuits["coils"]) {
     gaps += coil["gaps"].size();
+    if (coil["tail"].is_object()) ++tails, over += coil["tail"]["crossings"].size();
     if (coil["widest"].is_number()) widest = std::max(widest, coil["widest"].get<double>());
     reverse += coil["face"] != circuits["coils"].front()["face"];
   }
@@ -114,6 +147,7 @@ std::string circuits_text(const ReportJson& report) {
                     counted(circuits["opens"].size(), "open") + "; " +
                     counted(circuits["bridges"].size(), "bridge") + ", " + counted(gaps, "gap");
   if (reverse > 0) out += "; on two faces";
+  if (tails > 0) out += "; " + counted(tails, "tail") + " over " + counted(over, "trace");
   if (widest > 1) out += "; traces up to " + decimal(widest, 1) + " times as wide as drawn";
   return out + ".";
 }
@@ -129,7 +163,8 @@ std::string circuits_section(const ReportJson& report) {
         "<p><strong>The figures of losses, noise and matching are quasi-static. Above 200 MHz they give no "
         "more than the order "
         "of magnitude.</strong></p>\n";
-  return out + current_text(electrical) + loops_table(electrical) + capacitors_table(electrical);
+  return out + current_text(electrical) + loops_table(electrical) + capacitors_table(electrical) +
+         tails_table(at(report, {"circuits"}));
 }
 
 }  // namespace vacuform

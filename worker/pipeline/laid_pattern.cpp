@@ -10,17 +10,18 @@
 #include "worker/pattern/ink_checks.hpp"
 #include "worker/pipeline/print_progress.hpp"
 #include "worker/printing/colour_ink.hpp"
+#include "worker/printing/laid_areas.hpp"
 #include "worker/stage/index.hpp"
 
 namespace vacuform {
 
 namespace {
 
-Result<void> build_loops(LaidPattern& laid, const ChartedSurface& reverse,
-                         const std::optional<BodyBelow>& body, const Settings& settings,
-                         const Context& context) {
+Result<void> build_loops(LaidPattern& laid, const SheetSides& sides, const std::optional<BodyBelow>& body,
+                         const Settings& settings, const Context& context) {
   const bool asked = settings.coils.build != CoilBuild::single || settings.coils.gaps > 0 ||
-                     settings.coils.gap_rule != GapRule::count || settings.print.compensate_width;
+                     settings.coils.gap_rule != GapRule::count || settings.print.compensate_width ||
+                     settings.coils.tails != TailExit::none;
   const bool loops =
       laid.lines && std::any_of(laid.placement.elements.begin(), laid.placement.elements.end(),
                                 [&](const PlacedElement& placed) {
@@ -33,10 +34,11 @@ Result<void> build_loops(LaidPattern& laid, const ChartedSurface& reverse,
                 settings.coils.gaps > 0                     ? "coils.gaps"
                 : settings.coils.gap_rule != GapRule::count ? "coils.gap_rule"
                 : settings.coils.build != CoilBuild::single ? "coils.build"
+                : settings.coils.tails != TailExit::none    ? "coils.tails"
                                                             : "print.compensate_width",
                 "give a vector drawing of coils that are placed one by one, or leave the setting out");
   if (!loops && !layered) return {};
-  VACUFORM_TRY(build, build_array(*laid.lines, laid.placement, reverse, body, settings, context));
+  VACUFORM_TRY(build, build_array(*laid.lines, laid.placement, sides, body, settings, context));
   laid.warnings.insert(laid.warnings.end(), build.warnings.begin(), build.warnings.end());
   // What measures the loops takes them as wide as they are printed.
   for (std::size_t e = 0; e < build.widened.size(); ++e)
@@ -66,12 +68,14 @@ void sort_by_sight(std::vector<Layer>& layers, const std::vector<BuiltLayer>& bu
   layers = std::move(sorted);
 }
 
-// Of the gaps in the conductors of a layer.
+// Of the gaps in the conductors of a layer, and beside the pads of a tail that of its port.
 std::vector<PlaceNumber> numbers_on(const ArrayBuild& build, const BuiltLayer& layer) {
   std::vector<PlaceNumber> out;
   if (layer.step != PrintStep::conductor) return out;
   for (const LoopGap& gap : build.gaps)
     if (build.faces[index(gap.coil)] == layer.face) out.push_back({gap.number, gap.rest, gap.inwards});
+  for (const Tail& tail : build.tails)
+    if (build.faces[index(tail.coil)] == layer.face) out.push_back({tail.number, tail.rest, tail.onwards});
   return out;
 }
 
@@ -84,13 +88,13 @@ Result<std::vector<Layer>> layers_of_build(const LaidPattern& laid, const Settin
   };
   for (const BuiltLayer& built : build.layers) {
     const SubProgress part(context, {Stage::printing, share(layers.size()), share(layers.size() + 1)});
-    VACUFORM_TRY(source,
-                 drawing_layer(laid.pattern, built.drawing, build.placement(built.face, laid.placement),
-                               settings, part.context()));
+    VACUFORM_TRY(vectors, pull_back(built.drawing, build.placement(built.face, laid.placement), settings,
+                                    part.context()));
+    add_laid_ink(built.laid, vectors);
     const InkedFace face = settings.pattern.inked_face;
     layers.push_back({.name = std::string(name_of(built)),
                       .face = built.face == 0 ? face : other_face(face),
-                      .source = std::move(source),
+                      .source = drawing_layer(laid.pattern, std::move(vectors)),
                       .step = build.layers.size() > 1 ? std::optional(built.step) : std::nullopt,
                       .numbers = numbers_on(build, built)});
   }
@@ -119,7 +123,7 @@ Result<LaidPattern> lay_pattern(Pattern pattern, const Inputs& inputs, const Cha
     if (auto coupled = coupling_warning(pairs, true)) laid.warnings.push_back(*std::move(coupled));
   }
   laid.placement = std::move(placement);
-  VACUFORM_CHECK(build_loops(laid, reverse, body, s, decoupling.context().silent()));
+  VACUFORM_CHECK(build_loops(laid, {charted, reverse}, body, s, decoupling.context().silent()));
   VACUFORM_TRY(alignment, align_flat(charted, s.pattern));
   laid.alignment = alignment;
   return laid;

@@ -130,6 +130,10 @@ Result<std::shared_ptr<const LayerSource>> drawing_layer(const Pattern& pattern,
                                                          const Placement& placement, const Settings& settings,
                                                          const Context& context) {
   VACUFORM_TRY(vectors, pull_back(drawing, placement, settings, context));
+  return drawing_layer(pattern, std::move(vectors));
+}
+
+std::shared_ptr<const LayerSource> drawing_layer(const Pattern& pattern, VectorPrint vectors) {
   return std::make_shared<const DrawingLayer>(pattern, std::move(vectors));
 }
 

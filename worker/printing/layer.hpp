@@ -90,6 +90,9 @@ Result<std::shared_ptr<const LayerSource>> drawing_layer(const Pattern& pattern,
                                                          const Placement& placement, const Settings& settings,
                                                          const Context& context);
 
+// The same of lines that were pulled back.
+std::shared_ptr<const LayerSource> drawing_layer(const Pattern& pattern, VectorPrint vectors);
+
 // A picture. `parts` are those whose drawing() was placed, null if none were: each is then printed through its own
 // patch. Every pixel is the mean of 4 to 16 samples, each filtered by the footprint that its triangle gives it, so that
 // edges are smooth, including those of the chart. With `compensate`, shades of gray are printed darker where the sheet

@@ -93,7 +93,7 @@ interface GapFigures {
 }
 // report.json, circuits
 export interface Circuits {
-  coils: {id: string; face: Face}[];
+  coils: {id: string; face: Face; tail?: {length_mm: number; ohm: number; inductance_nh: number} | null}[];
   electrical: {frequency_mhz: number; loops: {id: string; gaps: GapFigures[]}[]} | null;
 }
 
@@ -107,11 +107,14 @@ export interface Gap {
   tolerance: number;  // of a printed value, as a share
   wanted: number;   // pF
   place: [number, number, number];  // mm, on the mold
+  tail: number;     // mm from a port to its pads beside the head; 0: none
 }
 
 export function gapsOf({circuits}: Pick<PrintReport, 'circuits'>): Gap[] {
   const faces = new Map(circuits?.coils.map(({id, face}) => [id, face]));
+  const tails = new Map(circuits?.coils.map(({id, tail}) => [id, tail?.length_mm ?? 0]));
   return (circuits?.electrical?.loops ?? []).flatMap(({id, gaps}) => gaps.map((gap): Gap => ({
     number: gap.number, loop: id, face: faces.get(id) ?? 'outer', port: gap.port, printed: gap.plate !== null,
-    value: gap.plate?.pf ?? gap.standard_pf ?? 0, tolerance: gap.plate?.tolerance ?? 0, wanted: gap.wanted_pf, place: gap.place_mm}))).sort((a, b) => a.number - b.number);
+    value: gap.plate?.pf ?? gap.standard_pf ?? 0, tolerance: gap.plate?.tolerance ?? 0, wanted: gap.wanted_pf, place: gap.place_mm,
+    tail: gap.port ? tails.get(id) ?? 0 : 0}))).sort((a, b) => a.number - b.number);
 }

@@ -30,7 +30,7 @@ struct Rings {
   ArrayBuild build() {
     const Charted other(below.sheet, below.flattening);
     const auto placement = place(surface, &drawing, settings, Context());
-    return *build_array(drawing, *placement, other, body, settings, Context());
+    return *build_array(drawing, *placement, {surface, other}, body, settings, Context());
   }
 };
 

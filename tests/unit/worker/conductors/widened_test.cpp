@@ -87,7 +87,7 @@ TEST(Widened, EvensTheResistanceOfAnArray) {
   Settings settings;
   settings.print.compensate_width = true;
   const auto placement = place(surface, &drawing, settings, Context());
-  const auto build = build_array(drawing, *placement, surface, std::nullopt, settings, Context());
+  const auto build = build_array(drawing, *placement, {surface, surface}, std::nullopt, settings, Context());
   ASSERT_TRUE(build);
   ASSERT_EQ(build->widened.size(), drawing.elements.size());
   double widest = 1;

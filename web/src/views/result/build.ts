@@ -24,18 +24,20 @@ function layerStep(job: Job, layer: Layer): HTMLElement {
 
 function checklist(job: Job, layers: readonly Layer[], gaps: readonly Gap[]): HTMLElement {
   const ports = gaps.filter(({port}) => port).length, printed = gaps.filter((gap) => gap.printed).length;
+  const tails = gaps.filter(({tail}) => tail > 0).length;
   const turn = (layer: Layer, i: number): Children =>
     layer.reverse && !layers[i - 1]?.reverse && el('li', null, el('strong', null, t('array.turn')), el('p', null, t('array.turn_how')));
   return el('ol', {class: 'build-steps'},
     layers.map((layer, i): Children => [turn(layer, i), layerStep(job, layer)]),
     el('li', null, el('strong', null, t('array.form')), el('p', null, t('array.form_how'))),
     gaps.length > 0 && el('li', null, el('strong', null, t('array.solder')),
-      el('p', null, t('array.solder_count', {capacitors: gaps.length - ports - printed, ports}))));
+      el('p', null, t('array.solder_count', {capacitors: gaps.length - ports - printed, ports}))),
+    tails > 0 && el('li', null, el('strong', null, t('array.cables')), el('p', null, t('array.cables_how', {tails}))));
 }
 
 const pf = (value: number, digits?: number): string => value > 0 ? number(value, digits) : '–';
 const value = (gap: Gap): string => gap.printed ? `${pf(gap.value, 2)} ± ${number(gap.value * gap.tolerance, 2)}` : pf(gap.value);
-const part = ({port, printed}: Gap): string => t(port ? 'array.port' : printed ? 'array.printed' : 'array.capacitor');
+const part = ({port, printed, tail}: Gap): string => tail > 0 ? t('array.port_tail', {length: withUnit(tail, 'mm', 0)}) : t(port ? 'array.port' : printed ? 'array.printed' : 'array.capacitor');
 
 function gapTable(gaps: readonly Gap[], show: (gap: Gap) => void): {element: HTMLElement; select(number: number): void} {
   const rows = new Map<number, HTMLTableRowElement>();
