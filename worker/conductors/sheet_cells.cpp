@@ -1,6 +1,5 @@
 #include "worker/conductors/sheet_cells.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
@@ -67,11 +66,6 @@ double SheetCells::on_part(int cell, const Vector2d& way) const {
   const int t = triangle(cell);
   if (t < 0) return std::numeric_limits<double>::infinity();
   return std::sqrt(std::max(0.0, way.dot(metric_[index(t)] * way)));
-}
-
-Vector2d SheetCells::steepest(int cell, const Vector2d& slope) const {
-  const int t = triangle(cell);
-  return t < 0 ? slope : Vector2d(metric_[index(t)].ldlt().solve(slope));
 }
 
 void SheetCells::keep_clear(const Disc& disc, Room& room, std::vector<int>& touched) const {

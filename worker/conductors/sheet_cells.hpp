@@ -28,9 +28,6 @@ class SheetCells {
   // A short way from a cell, mm of the flat sheet, as it is on the part, mm. Infinite off the sheet.
   double on_part(int cell, const Eigen::Vector2d& way) const;
 
-  // The direction on the flat sheet in which what has that slope there grows most for a millimetre on the part.
-  Eigen::Vector2d steepest(int cell, const Eigen::Vector2d& slope) const;
-
   static constexpr float open = 1e9F;
   Room open_ground() const { return Room(static_cast<std::size_t>(count()), open); }
   // Lowers the room to that beside a disc on the part, as far as `reach_mm` from its edge. Cells that were open ground are added

@@ -72,7 +72,7 @@ Vector2d TailGround::outwards(int cell) const {
       if (other < 0 || way.norm() > radius_mm || !std::isfinite(off_chart_[index(other)])) continue;
       out += static_cast<double>(off_chart_[index(other)] - off_chart_[index(cell)]) * way;
     }
-  return out.norm() > 0 ? cells_.steepest(cell, out).normalized() : out;
+  return out.norm() > 0 ? Vector2d(out.normalized()) : out;
 }
 
 TailGround::Thing& TailGround::add(int loop, Kind kind, const std::vector<Vector2d>& points, double width_mm) {

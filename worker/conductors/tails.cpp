@@ -215,13 +215,16 @@ class TailPlan {
     return out;
   }
 
-  // The middle of the pads and of the leads that spread to them, straight on from a cell beside the chart; empty: no room.
-  std::vector<Vector2d> field_from(int cell, const TailGround& on, const TailGround::Rooms& rooms,
+  // The middle of the pads and of the leads that spread to them, straight on from a place beside the chart; empty: no room.
+  struct Onwards {
+    Vector2d from, way;
+  };
+  std::vector<Vector2d> field_from(const Onwards& onwards, const TailGround& on, const TailGround::Rooms& rooms,
                                    const LeadSizes& sizes) const {
-    const Vector2d way = on.outwards(cell);
+    const Vector2d& way = onwards.way;
     if (!(way.norm() > 0)) return {};
     constexpr double step_mm = 0.2;
-    std::vector<Vector2d> out{on.cells().middle(cell)};
+    std::vector<Vector2d> out{onwards.from};
     double mm = 0;
     const double clear = sizes.field_mm() / 2 + coils_.clearance_mm + tail_slack_mm;
     while (mm < sizes.spread_mm + sizes.pad_length_mm) {
@@ -252,11 +255,16 @@ class TailPlan {
       const float off = on.off_chart()[index(cell)];
       if (off < leaves_head_mm || off > leaves_head_mm + 1 || !is_exit(on.cells().middle(cell), middle))
         return false;
-      field = field_from(cell, on, rooms, sizes);
+      field = field_from({on.cells().middle(cell), on.outwards(cell)}, on, rooms, sizes);
       return !field.empty();
     };
     auto way = cheapest_way(on.cells(), costs, *from, is_end);
     if (!way) return std::nullopt;
+    // The tail ends straight if it can.
+    if (const Vector2d arrives = (way->back() - (*way)[way->size() - 2]).normalized();
+        arrives.dot(field.back() - field.front()) > 0)
+      if (auto straight = field_from({way->back(), arrives}, on, rooms, sizes); !straight.empty())
+        field = std::move(straight);
     // From within the trace, which the leads are to touch.
     const double start = 0.35 * width_of(i), flat = on.cells().on_part(on.cells().at(port.rest), port.inwards);
     way->insert(way->begin(), port.rest + start / flat * port.inwards);
