@@ -170,9 +170,9 @@ struct CoilSettings {
   int gaps = 0;
   CapacitorCase capacitor = CapacitorCase::c0805;
   double gap_mm = 1, pad_length_mm = 1,
-         pad_width_mm = 1.5;       // of a custom case: between the pads, along, across
-  double plate_width_mm = 8;       // of printed capacitors, across the trace
-  PortSide port = PortSide::edge;  // where the cables leave
+         pad_width_mm = 1.5;        // of a custom case: between the pads, along, across
+  double plate_width_mm = 8;        // of printed capacitors, across the trace
+  PortSide port = PortSide::edge;   // where the cables leave
   TailExit tails = TailExit::none;  // two leads from each port to pads beside the head
   double tail_width_mm = 1.5;       // of each of the two leads
 };

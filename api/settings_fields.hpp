@@ -292,10 +292,11 @@ void describe(S& s, V& v) {
           "Plates of printed capacitors, across the trace");
   v.field("port", s.coils.port,
           "Where the cables leave: each loop's port is on its side towards the edge, or the top");
-  v.field("tails", s.coils.tails,
-          "A tail for each loop: two printed leads from its port to pads beside the head, by the shortest way "
-          "(nearest), or to "
-          "its front or back");
+  v.field(
+      "tails", s.coils.tails,
+      "A tail for each loop: two printed leads from its port to pads beside the head, by the shortest way "
+      "(nearest), or to "
+      "its front or back");
   v.field("tail_width_mm", s.coils.tail_width_mm, {0.2, 10, "mm"},
           "Width of each of the two leads of a tail; they are as far apart as the port is wide");
 

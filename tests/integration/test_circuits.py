@@ -124,9 +124,7 @@ class Tails:
     def pads(self, id):
         """The ends of its leads that lie at its pads, sheet coordinates."""
         face, tail = self.tails[id]
-        ends = [(line[-1], line[-40 if len(line) > 40 else 0]) for line in self.lines[face, id]
-                if math.dist(self.place(face, line[-1]), tail["pads_mm"]) < 3]
-        return [numpy.array(end) + 0.3 * (numpy.array(before) - end) / math.dist(before, end) for end, before in ends]
+        return [line[-1] for line in self.lines[face, id] if math.dist(self.place(face, line[-1]), tail["pads_mm"]) < 3]
 
     def widths(self, id, ink):
         """Across the leads, on the part: from the middle of each to the edges of the ink."""
@@ -216,7 +214,7 @@ class Circuits(Case):
             ends = tails.pads(id)
             self.assertEqual(len(ends), 2, id)
             self.assertAlmostEqual(math.dist(*(tails.place(face, p) for p in ends)), 2.54, delta=0.1)
-            held = [next(read.root(i) for i, (of, part) in enumerate(read.parts) if of == id and part.buffer(0.01).contains(Point(p))) for p in ends]
+            held = [next(read.root(i) for i, (of, part) in enumerate(read.parts) if of == id and part.distance(Point(p)) < 0.1) for p in ends]
             self.assertNotEqual(*held, "the leads end on the two sides of the port")
             # Beside the port, which is between them: one of the loop's gaps, the only one without two pieces of one lead.
             port = next(gap["place_mm"] for coil in circuits["coils"] if coil["id"] == id for gap in coil["gaps"] if gap["port"])

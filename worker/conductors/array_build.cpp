@@ -93,7 +93,8 @@ class Build {
   }
 
   Result<void> place_on_reverse(const Context& context) {
-    VACUFORM_TRY(reverse, on_other_face(sides_.reverse, drawing_, placement_, settings_.pattern.scale, context));
+    VACUFORM_TRY(reverse,
+                 on_other_face(sides_.reverse, drawing_, placement_, settings_.pattern.scale, context));
     build_.reverse = std::move(reverse);
     return {};
   }
@@ -327,13 +328,14 @@ class Build {
       for (const Segment& chart : placement.charts) out.push_back(&chart.patch);
       return out;
     };
-    TailLayout tails = lay_tails({loops_,
-                                  build_.gaps,
-                                  build_.faces,
-                                  widest,
-                                  {&sides_.first, &sides_.reverse},
-                                  ink_beside_traces(build_.layers, build_.faces, widest_by_element(widest), patch_of)},
-                                 settings_);
+    TailLayout tails =
+        lay_tails({loops_,
+                   build_.gaps,
+                   build_.faces,
+                   widest,
+                   {&sides_.first, &sides_.reverse},
+                   ink_beside_traces(build_.layers, build_.faces, widest_by_element(widest), patch_of)},
+                  settings_);
     for (const Tail& tail : tails.tails)
       for (const TailCrossing& crossing : tail.crossings)
         layer(PrintStep::dielectric, build_.faces[index(tail.coil)])
@@ -345,20 +347,27 @@ class Build {
     say_left_out(tails.left_out);
   }
 
-  void say_left_out(const std::vector<int>& elements) {
-    if (elements.empty()) return;
-    Warning warning{.code = "tails-left-out", .text = {}};
-    warning.text = std::to_string(elements.size()) +
-                   (elements.size() == 1 ? " loop has a port without a tail" : " loops have ports without tails") +
-                   ": no way leads from it to the edge";
-    warning.figure = Warning::Figure{static_cast<double>(elements.size()), "loops", 0.0};
-    for (const int e : elements) {
-      warning.place += (warning.place.empty() ? "" : ", ") + drawing_.elements[index(e)].id;
+  void say_left_out(const std::vector<int>& blocked) {
+    std::vector<int> without_port;
+    for (const LaidLoop& loop : loops_)
+      if (std::none_of(build_.gaps.begin(), build_.gaps.end(),
+                       [&](const LoopGap& gap) { return gap.port && gap.coil == loop.element; }))
+        without_port.push_back(loop.element);
+    for (const auto& [elements, why] : {std::pair(blocked, "no way from its port to the edge"),
+                                        std::pair(without_port, "no gap for a port")}) {
+      if (elements.empty()) continue;
+      Warning& warning = build_.warnings.emplace_back(Warning{.code = "tails-left-out", .text = {}});
+      warning.text =
+          std::to_string(elements.size()) +
+          (elements.size() == 1 ? " loop has no tail: it has " : " loops have no tails: each has ") + why;
+      warning.figure = Warning::Figure{static_cast<double>(elements.size()), "loops", 0.0};
+      for (const int e : elements)
+        warning.place += (warning.place.empty() ? "" : ", ") + drawing_.elements[index(e)].id;
       for (const LoopGap& gap : build_.gaps)
-        if (gap.coil == e && gap.port && warning.marks.size() < Warning::most_marks)
+        if (gap.port && std::find(elements.begin(), elements.end(), gap.coil) != elements.end() &&
+            warning.marks.size() < Warning::most_marks)
           warning.marks.push_back({{gap.place.x(), gap.place.y(), gap.place.z()}, 5});
     }
-    build_.warnings.push_back(std::move(warning));
   }
 
   std::vector<double> widest_by_element(const std::vector<double>& widest) const {
@@ -411,9 +420,9 @@ class Build {
 
 }  // namespace
 
-Result<ArrayBuild> build_array(const Drawing& drawing, const Placement& placement,
-                               const SheetSides& sides, const std::optional<BodyBelow>& body,
-                               const Settings& settings, const Context& context) {
+Result<ArrayBuild> build_array(const Drawing& drawing, const Placement& placement, const SheetSides& sides,
+                               const std::optional<BodyBelow>& body, const Settings& settings,
+                               const Context& context) {
   return Build(drawing, placement, sides, body, settings).run(context);
 }
 

@@ -52,8 +52,8 @@ struct SheetSides {
 // What `placement` places of `drawing`, built as settings.coils asks. What is no loop stays as it is, on the first face, or that of
 // the coil it follows. A drawing with layers (Drawing::layered()) is printed as they say. `body` loads the loops, for printed
 // capacitors. Deterministic. Errors: cancelled; bad_settings: both the drawing and coils.build say how loops are parted.
-Result<ArrayBuild> build_array(const Drawing& drawing, const Placement& placement,
-                               const SheetSides& sides, const std::optional<BodyBelow>& body,
-                               const Settings& settings, const Context& context);
+Result<ArrayBuild> build_array(const Drawing& drawing, const Placement& placement, const SheetSides& sides,
+                               const std::optional<BodyBelow>& body, const Settings& settings,
+                               const Context& context);
 
 }  // namespace vacuform

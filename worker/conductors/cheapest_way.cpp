@@ -39,8 +39,7 @@ std::vector<int> cells_of_way(const SheetCells& cells, const WayCosts& costs, in
     for (const int next : cells.neighbours(cell)) {
       if (!(costs[index(next)] > 0)) continue;
       const double mm = cells.on_part(next, cells.middle(next) - cells.middle(cell));
-      const auto sum =
-          static_cast<float>(cost + mm * (costs[index(cell)] + costs[index(next)]) / 2);
+      const auto sum = static_cast<float>(cost + mm * (costs[index(cell)] + costs[index(next)]) / 2);
       if (sum >= least[index(next)]) continue;
       least[index(next)] = sum;
       before[index(next)] = cell;
@@ -97,7 +96,8 @@ void pull(const SheetCells& cells, const WayCosts& costs, std::vector<Vector2d>&
         const Vector2d at = line[i];
         for (int k = 0; k < 8; ++k) {
           const Vector2d p = at + step * Vector2d(std::cos(k * M_PI / 4), std::sin(k * M_PI / 4));
-          if (const double moved = cost(p); moved < least * (1 - 1e-6)) least = moved, line[i] = p, better = true;
+          if (const double moved = cost(p); moved < least * (1 - 1e-6))
+            least = moved, line[i] = p, better = true;
         }
       }
       if (!better) break;

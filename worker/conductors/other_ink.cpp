@@ -51,8 +51,9 @@ std::optional<Ring> on_flat_sheet(const Ring& ring, const Patch& patch, const Pl
 
 }  // namespace
 
-std::vector<LaidInkArea> ink_beside_traces(const std::vector<BuiltLayer>& layers, const std::vector<int>& faces,
-                                           const std::vector<double>& widest, const PatchOf& patches) {
+std::vector<LaidInkArea> ink_beside_traces(const std::vector<BuiltLayer>& layers,
+                                           const std::vector<int>& faces, const std::vector<double>& widest,
+                                           const PatchOf& patches) {
   std::vector<LaidInkArea> out;
   for (const BuiltLayer& layer : layers)
     for (std::size_t e = 0; e < layer.drawing.elements.size(); ++e) {
@@ -62,8 +63,8 @@ std::vector<LaidInkArea> ink_beside_traces(const std::vector<BuiltLayer>& layers
       if (layer.step == PrintStep::conductor && layer.face == faces[e] && widest[e] > 0 && element.loop)
         ink = difference(ink, trace_band(*element.loop, widest[e]));
       if (square_mm(ink) < least_mm2) continue;
-      LaidInkArea& laid = out.emplace_back(
-          LaidInkArea{.element = static_cast<int>(e), .step = layer.step, .face = layer.face, .area = {}, .line = {}});
+      LaidInkArea& laid = out.emplace_back(LaidInkArea{
+          .element = static_cast<int>(e), .step = layer.step, .face = layer.face, .area = {}, .line = {}});
       for (const Patch* const patch : patches(e, layer.face)) {
         const PlaneLocator locator(patch->triangles, patch->uv);
         for (const Ring& ring : ink)

@@ -14,7 +14,8 @@ using PatchOf = std::function<std::vector<const Patch*>(std::size_t element, int
 
 // `faces` and `widest` by Drawing::elements: the face of a loop, and the width of its trace over the drawn one; 0: no loop.
 // Bridges and patches that are made along loops count as well.
-std::vector<LaidInkArea> ink_beside_traces(const std::vector<BuiltLayer>& layers, const std::vector<int>& faces,
-                                           const std::vector<double>& widest, const PatchOf& patches);
+std::vector<LaidInkArea> ink_beside_traces(const std::vector<BuiltLayer>& layers,
+                                           const std::vector<int>& faces, const std::vector<double>& widest,
+                                           const PatchOf& patches);
 
 }  // namespace vacuform

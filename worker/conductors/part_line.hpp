@@ -25,7 +25,8 @@ class PartLine {
 
   // Points of the flat sheet some tenths of a millimetre apart. Those off the sheet are left out. Keeps a reference to the
   // surface. `locator` is that of the flat sheet.
-  PartLine(const InkedSurface& surface, const PlaneLocator& locator, const std::vector<Eigen::Vector2d>& line);
+  PartLine(const InkedSurface& surface, const PlaneLocator& locator,
+           const std::vector<Eigen::Vector2d>& line);
 
   const std::vector<Point>& points() const { return points_; }
   double length() const { return points_.empty() ? 0 : points_.back().along; }

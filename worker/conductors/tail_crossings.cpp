@@ -74,7 +74,8 @@ void widen_to(Interval& part, double x) {
 // The points across the tail that decide: the edges of both leads.
 std::vector<Vector3d> edges_at(const PartLine& line, const PartLine::Point& point, const LeadSizes& sizes) {
   std::vector<Vector3d> out{point.place};
-  for (const double left : {-sizes.pair_mm() / 2, -sizes.between_mm / 2, sizes.between_mm / 2, sizes.pair_mm() / 2})
+  for (const double left :
+       {-sizes.pair_mm() / 2, -sizes.between_mm / 2, sizes.between_mm / 2, sizes.pair_mm() / 2})
     if (const auto at = line.beside(point, left)) out.push_back(line.surface().place(*at));
   return out;
 }

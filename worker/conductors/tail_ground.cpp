@@ -75,7 +75,8 @@ Vector2d TailGround::outwards(int cell) const {
   return out.norm() > 0 ? Vector2d(out.normalized()) : out;
 }
 
-TailGround::Thing& TailGround::add(int loop, Kind kind, const std::vector<Vector2d>& points, double width_mm) {
+TailGround::Thing& TailGround::add(int loop, Kind kind, const std::vector<Vector2d>& points,
+                                   double width_mm) {
   Thing& thing = things_.emplace_back(Thing{.loop = loop, .kind = kind, .room = {}});
   std::vector<int> touched;
   for (const Vector2d& p : points) cells_.keep_clear({p, width_mm / 2, reach_mm_}, scratch_, touched);

@@ -34,8 +34,8 @@ double tail_margin_mm(const CoilSettings& settings) {
 double tail_room_mm(const CoilSettings& settings) {
   if (settings.tails == TailExit::none) return 0;
   constexpr double corners_mm = 0.7;  // of patches, which are taken for rounded ones
-  return lead_sizes(settings, pads_of(settings).gap, 0).pair_mm() / 2 + tail_margin_mm(settings) + tail_slack_mm +
-         corners_mm;
+  return lead_sizes(settings, pads_of(settings).gap, 0).pair_mm() / 2 + tail_margin_mm(settings) +
+         tail_slack_mm + corners_mm;
 }
 
 }  // namespace vacuform

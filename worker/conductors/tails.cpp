@@ -23,12 +23,14 @@ using Eigen::Vector2d;
 constexpr float crossing_cost = 8, beneath_cost = 3, crowded_cost = 1.5;
 constexpr double crowded_mm = 1.5;
 constexpr double leaves_head_mm = 2;  // how far beyond the chart the pads begin, on the part
-constexpr double frame_mm = 4;        // pads keep this far from the window of the clamp frame, on the flat sheet
+constexpr double frame_mm = 4;  // pads keep this far from the window of the clamp frame, on the flat sheet
 
 class TailPlan {
  public:
   TailPlan(const ArraySoFar& array, const Settings& settings)
-      : array_(array), coils_(settings.coils), settings_(settings),
+      : array_(array),
+        coils_(settings.coils),
+        settings_(settings),
         locator_(array.sides[0]->surface().triangles(), array.sides[0]->surface().rest()) {}
 
   TailLayout run() {
@@ -106,7 +108,8 @@ class TailPlan {
         // Its ends are square, those of a stamped line round.
         const double wide = width_of(i) + 2 * coils_.patch_margin_mm,
                      shorter = std::min(0.45 * part.length(), 0.35 * wide / loop.trace->scale());
-        out.add_trace(number, TailGround::Kind::closed, *loop.trace, {part.from + shorter, part.to - shorter}, wide);
+        out.add_trace(number, TailGround::Kind::closed, *loop.trace, {part.from + shorter, part.to - shorter},
+                      wide);
       }
     }
     const Pads pads = pads_of(coils_);
@@ -185,8 +188,8 @@ class TailPlan {
       const float nearest = std::min(rooms.closed[k], rooms.own[k]);
       if (cells.triangle(c) < 0 || !(nearest >= room_mm) || !std::isfinite(on.off_chart()[k])) continue;
       if (on.off_chart()[k] > 0 && !in_window(cells.middle(c))) continue;
-      out[k] = rooms.crossable[k] < room_mm ? crossing_cost
-               : rooms.beneath[k] < room_mm ? beneath_cost
+      out[k] = rooms.crossable[k] < room_mm                                   ? crossing_cost
+               : rooms.beneath[k] < room_mm                                   ? beneath_cost
                : std::min(nearest, rooms.crossable[k]) < room_mm + crowded_mm ? crowded_cost
                                                                               : 1;
     }
@@ -219,8 +222,8 @@ class TailPlan {
   struct Onwards {
     Vector2d from, way;
   };
-  std::vector<Vector2d> field_from(const Onwards& onwards, const TailGround& on, const TailGround::Rooms& rooms,
-                                   const LeadSizes& sizes) const {
+  std::vector<Vector2d> field_from(const Onwards& onwards, const TailGround& on,
+                                   const TailGround::Rooms& rooms, const LeadSizes& sizes) const {
     const Vector2d& way = onwards.way;
     if (!(way.norm() > 0)) return {};
     constexpr double step_mm = 0.2;
@@ -266,15 +269,17 @@ class TailPlan {
       if (auto straight = field_from({way->back(), arrives}, on, rooms, sizes); !straight.empty())
         field = std::move(straight);
     // From within the trace, which the leads are to touch.
-    const double start = 0.35 * width_of(i), flat = on.cells().on_part(on.cells().at(port.rest), port.inwards);
+    const double start = 0.35 * width_of(i),
+                 flat = on.cells().on_part(on.cells().at(port.rest), port.inwards);
     way->insert(way->begin(), port.rest + start / flat * port.inwards);
     way->push_back(field.back());
-    const auto line = with_round_corners(*way, 1.5 * sizes.pair_mm(), [&](std::size_t corner, const Vector2d& p) {
-      const int cell = on.cells().at(p);
-      if (cell < 0) return false;
-      const std::size_t k = index(cell);
-      return rooms.closed[k] >= clear && (corner == 1 || rooms.own[k] >= clear);
-    });
+    const auto line =
+        with_round_corners(*way, 1.5 * sizes.pair_mm(), [&](std::size_t corner, const Vector2d& p) {
+          const int cell = on.cells().at(p);
+          if (cell < 0) return false;
+          const std::size_t k = index(cell);
+          return rooms.closed[k] >= clear && (corner == 1 || rooms.own[k] >= clear);
+        });
     return lead_ink({loop, port, line, start, sizes, std::move(field)}, on.surface(), locator_, others(i),
                     settings_);
   }

@@ -31,15 +31,17 @@ struct TailBridge {
 struct Tail {
   int coil = 0;    // index into Drawing::elements
   int number = 0;  // of its port (LoopGap)
-  std::vector<Eigen::Vector2d> line;  // between its leads, from its port to the ends of its pads, sheet coordinates, mm
-  double length_mm = 0;               // of that on the part, from the middle of the trace
+  std::vector<Eigen::Vector2d>
+      line;              // between its leads, from its port to the ends of its pads, sheet coordinates, mm
+  double length_mm = 0;  // of that on the part, from the middle of the trace
   double between_mm = 0, width_mm = 0;    // of the leads on the part
-  double squares = 0;                 // resistance of both leads over that of a square as printed
-  double inductance_nh = 0;           // of both leads as a line
-  double most_stretch = 1;            // along it, formed length over flat length of a millimetre
+  double squares = 0;                     // resistance of both leads over that of a square as printed
+  double inductance_nh = 0;               // of both leads as a line
+  double most_stretch = 1;                // along it, formed length over flat length of a millimetre
   std::array<Eigen::Vector2d, 2> pads{};  // their middles, sheet coordinates, mm
   Eigen::Vector3d place{0, 0, 0};         // between the pads, mm
-  Eigen::Vector2d rest{0, 0}, onwards{1, 0};  // the same on the flat sheet, and the direction of the tail there
+  Eigen::Vector2d rest{0, 0},
+      onwards{1, 0};  // the same on the flat sheet, and the direction of the tail there
   std::vector<TailCrossing> crossings;
   std::vector<TailBridge> bridges;
 };

@@ -208,7 +208,8 @@ std::optional<Warning> small_capacitors(const Finished& job) {
 }
 
 std::string coils_csv(const Finished& job) {
-  std::string out = "number,loop,gap,kind,wanted_pF,value_pF,detuning_percent,x_mm,y_mm,z_mm,tail_mm,tail_ohm,tail_nH\r\n";
+  std::string out =
+      "number,loop,gap,kind,wanted_pF,value_pF,detuning_percent,x_mm,y_mm,z_mm,tail_mm,tail_ohm,tail_nH\r\n";
   for (std::size_t i = 0; i < job.figures.electrical->loops.size(); ++i) {
     int gap = 0;
     for (const Soldered& each : soldered(job, i)) {

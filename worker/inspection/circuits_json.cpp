@@ -22,8 +22,8 @@ Json tail_json(const Finished& job, int element) {
   if (tail == job.build->tails.end()) return nullptr;
   Json crossings = Json::array();
   for (const TailCrossing& crossing : tail->crossings)
-    crossings.push_back({{"under", job.placed->elements[index(crossing.under)].id},
-                         {"place_mm", array(crossing.place, 1)}});
+    crossings.push_back(
+        {{"under", job.placed->elements[index(crossing.under)].id}, {"place_mm", array(crossing.place, 1)}});
   const double omega = angular_frequency(job.settings.circuit.frequency_mhz);
   return {{"number", tail->number},
           {"length_mm", rounded(tail->length_mm, 1)},

@@ -17,9 +17,8 @@ namespace vacuform {
 
 namespace {
 
-Result<void> build_loops(LaidPattern& laid, const SheetSides& sides,
-                         const std::optional<BodyBelow>& body, const Settings& settings,
-                         const Context& context) {
+Result<void> build_loops(LaidPattern& laid, const SheetSides& sides, const std::optional<BodyBelow>& body,
+                         const Settings& settings, const Context& context) {
   const bool asked = settings.coils.build != CoilBuild::single || settings.coils.gaps > 0 ||
                      settings.coils.gap_rule != GapRule::count || settings.print.compensate_width ||
                      settings.coils.tails != TailExit::none;

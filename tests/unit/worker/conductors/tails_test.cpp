@@ -39,7 +39,9 @@ struct OnSphere {
   Settings settings;
 
   explicit OnSphere(Drawing drawn, double reach = 105)
-      : sheet(sphere(radius, 440, 140, reach)), below(sphere(radius - 0.8, 440, 140, reach)), drawing(std::move(drawn)) {
+      : sheet(sphere(radius, 440, 140, reach)),
+        below(sphere(radius - 0.8, 440, 140, reach)),
+        drawing(std::move(drawn)) {
     for (std::size_t i = 0; i < sheet.sheet.formed.size(); ++i)
       below.sheet.formed[i] = sheet.sheet.formed[i] * (1 - 0.8 / radius);
     settings.coils.gaps = 2;
@@ -209,9 +211,11 @@ TEST(CheapestWay, GoesStraightAroundTheEndOfAWall) {
   const SheetCells cells(surface.surface, {Vector2d(-50, -50), Vector2d(50, 50)});
   WayCosts costs(static_cast<std::size_t>(cells.count()), 1);
   for (int c = 0; c < cells.count(); ++c)
-    if (const Vector2d p = cells.middle(c); std::abs(p.x()) < 1 && p.y() < 20) costs[static_cast<std::size_t>(c)] = 0;
+    if (const Vector2d p = cells.middle(c); std::abs(p.x()) < 1 && p.y() < 20)
+      costs[static_cast<std::size_t>(c)] = 0;
   const Vector2d from(-30, 0), to(30, 0);
-  const auto way = cheapest_way(cells, costs, from, [&](int c) { return (cells.middle(c) - to).norm() < 0.5; });
+  const auto way =
+      cheapest_way(cells, costs, from, [&](int c) { return (cells.middle(c) - to).norm() < 0.5; });
   ASSERT_TRUE(way);
   EXPECT_LE(way->size(), 5u);
   double length = 0;
@@ -232,9 +236,8 @@ TEST(CheapestWay, RoundsCornersWhereThereIsRoom) {
     return most;
   };
   EXPECT_LT(turn(with_round_corners(corner, 5, [](std::size_t, const Vector2d&) { return true; })), 0.2);
-  const auto tight = with_round_corners(corner, 5, [](std::size_t, const Vector2d& p) {
-    return (p - Vector2d(17, 3)).norm() > 3.6;
-  });
+  const auto tight = with_round_corners(
+      corner, 5, [](std::size_t, const Vector2d& p) { return (p - Vector2d(17, 3)).norm() > 3.6; });
   for (const Vector2d& p : tight) EXPECT_GT((p - Vector2d(17, 3)).norm(), 2.9);
 }
 

@@ -17,7 +17,9 @@ TEST(StripPair, HasTheInductanceOfVacuumWhereBothIntegralsAreEqual) {
 TEST(StripPair, OfNarrowStripsIsAPairOfWires) {
   // A strip is a round wire of a quarter of its width.
   for (const double width : {0.01, 0.1})
-    EXPECT_NEAR(strip_pair_nh_per_mm(width, 10) / (mu0 / M_PI * std::log((10 + width) / (width / 4))), 1, 0.001) << width;
+    EXPECT_NEAR(strip_pair_nh_per_mm(width, 10) / (mu0 / M_PI * std::log((10 + width) / (width / 4))), 1,
+                0.001)
+        << width;
 }
 
 TEST(StripPair, OfTheUsualTailIsSevenTenthsOfANanohenryAMillimetre) {
