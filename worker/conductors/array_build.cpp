@@ -363,21 +363,27 @@ class Build {
     say_left_out(tails.left_out);
   }
 
-  void say_left_out(const std::vector<int>& elements) {
-    if (elements.empty()) return;
-    Warning warning{.code = "tails-left-out", .text = {}};
-    warning.text =
-        std::to_string(elements.size()) +
-        (elements.size() == 1 ? " loop has a port without a tail" : " loops have ports without tails") +
-        ": no way leads from it to the edge";
-    warning.figure = Warning::Figure{static_cast<double>(elements.size()), "loops", 0.0};
-    for (const int e : elements) {
-      warning.place += (warning.place.empty() ? "" : ", ") + drawing_.elements[index(e)].id;
+  void say_left_out(const std::vector<int>& blocked) {
+    std::vector<int> without_port;
+    for (const LaidLoop& loop : loops_)
+      if (std::none_of(build_.gaps.begin(), build_.gaps.end(),
+                       [&](const LoopGap& gap) { return gap.port && gap.coil == loop.element; }))
+        without_port.push_back(loop.element);
+    for (const auto& [elements, why] : {std::pair(blocked, "no way from its port to the edge"),
+                                        std::pair(without_port, "no gap for a port")}) {
+      if (elements.empty()) continue;
+      Warning& warning = build_.warnings.emplace_back(Warning{.code = "tails-left-out", .text = {}});
+      warning.text =
+          std::to_string(elements.size()) +
+          (elements.size() == 1 ? " loop has no tail: it has " : " loops have no tails: each has ") + why;
+      warning.figure = Warning::Figure{static_cast<double>(elements.size()), "loops", 0.0};
+      for (const int e : elements)
+        warning.place += (warning.place.empty() ? "" : ", ") + drawing_.elements[index(e)].id;
       for (const LoopGap& gap : build_.gaps)
-        if (gap.coil == e && gap.port && warning.marks.size() < Warning::most_marks)
+        if (gap.port && std::find(elements.begin(), elements.end(), gap.coil) != elements.end() &&
+            warning.marks.size() < Warning::most_marks)
           warning.marks.push_back({{gap.place.x(), gap.place.y(), gap.place.z()}, 5});
     }
-    build_.warnings.push_back(std::move(warning));
   }
 
   std::vector<double> widest_by_element(const std::vector<double>& widest) const {

@@ -82,6 +82,28 @@ std::vector<Vector2d> straightened(const SheetCells& cells, const WayCosts& cost
   return out;
 }
 
+// Moves the corners to where the line costs less, as a string that is pulled would.
+void pull(const SheetCells& cells, const WayCosts& costs, std::vector<Vector2d>& line) {
+  constexpr int most_rounds = 8;
+  for (double step = 4; step >= SheetCells::size_mm / 2; step /= 2)
+    for (int round = 0; round < most_rounds; ++round) {
+      bool better = false;
+      for (std::size_t i = 1; i + 1 < line.size(); ++i) {
+        const auto cost = [&](const Vector2d& p) {
+          return cost_of_line(cells, costs, line[i - 1], p) + cost_of_line(cells, costs, p, line[i + 1]);
+        };
+        double least = cost(line[i]);
+        const Vector2d at = line[i];
+        for (int k = 0; k < 8; ++k) {
+          const Vector2d p = at + step * Vector2d(std::cos(k * M_PI / 4), std::sin(k * M_PI / 4));
+          if (const double moved = cost(p); moved < least * (1 - 1e-6))
+            least = moved, line[i] = p, better = true;
+        }
+      }
+      if (!better) break;
+    }
+}
+
 }  // namespace
 
 std::optional<std::vector<Vector2d>> cheapest_way(const SheetCells& cells, const WayCosts& costs,
@@ -93,8 +115,9 @@ std::optional<std::vector<Vector2d>> cheapest_way(const SheetCells& cells, const
   if (found.empty()) return std::nullopt;
   std::vector<Vector2d> way{from};
   for (std::size_t i = 1; i < found.size(); ++i) way.push_back(cells.middle(found[i]));
-  // Twice: the first round starts anew at each of its corners, and may leave one beside a shorter line.
-  return straightened(cells, costs, straightened(cells, costs, way));
+  std::vector<Vector2d> line = straightened(cells, costs, way);
+  pull(cells, costs, line);
+  return straightened(cells, costs, line);
 }
 
 std::vector<Vector2d> with_round_corners(

@@ -8,6 +8,7 @@
 
 #include "api/base/decimal.hpp"
 #include "worker/coils/inductance.hpp"
+#include "worker/conductors/tail_sizes.hpp"
 #include "worker/conductors/widened.hpp"
 #include "worker/electrical/sheet_dielectric.hpp"
 
@@ -112,7 +113,8 @@ class Layout {
     std::vector<Interval> blocked = loop.covered;
     blocked.insert(blocked.end(), near_[i].begin(), near_[i].end());
     const std::vector<double> places =
-        places_for_gaps(path.length(), wanted, half, towards_port(*loop.trace), blocked);
+        places_for_gaps(path.length(), wanted, {half, tail_room_mm(settings_.coils) / scale},
+                        towards_port(*loop.trace), blocked);
     lost_ += wanted - static_cast<int>(places.size());
     for (const double at : places)
       add(loop, {at - pads_.gap / 2 / scale, at + pads_.gap / 2 / scale}, at == places.front(), false);

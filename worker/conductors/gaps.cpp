@@ -103,7 +103,7 @@ int gaps_for_frequency(double length_mm, double width_mm, double frequency_mhz) 
       std::clamp(std::ceil(std::max(parts, least_gap_pf / total_pf)), port_and_one, most));
 }
 
-std::vector<double> places_for_gaps(double length, int count, double half, double port,
+std::vector<double> places_for_gaps(double length, int count, const GapRoom& room, double port,
                                     const std::vector<Interval>& blocked) {
   std::vector<double> best;
   double least = std::numeric_limits<double>::infinity();
@@ -112,19 +112,23 @@ std::vector<double> places_for_gaps(double length, int count, double half, doubl
   for (int r = 0; r < rotations; ++r) {
     // Nearest to the port first, so that of equals the nearest one is taken.
     const double shift = (r % 2 == 0 ? r / 2 : -(r + 1) / 2) * space / rotations;
-    Taken taken(blocked, half, length);
+    Taken taken(blocked, room.half, length);
+    const Taken by_port(blocked, std::max(room.half, room.of_port), length);
     std::vector<double> places;
     double cost =
         std::abs(shift) / space;  // a gap that moves by a hundredth of a space counts as much as that
     for (int i = 0; i < count; ++i) {
-      const auto found = taken.nearest(port + shift + i * space);
+      const double wanted = port + shift + i * space;
+      auto found = i == 0 ? by_port.nearest(wanted) : taken.nearest(wanted);
+      if (i == 0 && !found) found = taken.nearest(wanted);
       if (!found) {
         cost += 1e6;
         continue;
       }
       cost += std::pow(10 * found->moved / space, 2);
       places.push_back(found->at);
-      taken.add({found->at - half, found->at + half}, half);
+      const double half = i == 0 ? std::max(room.half, room.of_port) : room.half;
+      taken.add({found->at - half, found->at + half}, room.half);
     }
     if (cost < least) least = cost, best = std::move(places);
   }

@@ -30,11 +30,16 @@ std::vector<Interval> inked_parts(const LoopPath& path, const Islands& ink);
 int gaps_for_frequency(double length_mm, double width_mm, double frequency_mhz);
 inline constexpr double least_gap_pf = 2;
 
-// `count` places for gaps, each as far from the middle of its gap as `half` to both sides: equally spaced, the first at
-// `port` as nearly as possible. None meets the blocked intervals: where equal spaces do not allow it, a gap is moved by
-// as little as possible. The result begins with the port and goes round. Fewer than `count`: the rest has no place.
+// What a gap takes up to each side of its middle, mm in the drawing; that of the port may have to leave room for its tail.
+struct GapRoom {
+  double half = 0, of_port = 0;
+};
+
+// `count` places for gaps: equally spaced, the first at `port` as nearly as possible. None meets the blocked intervals: where
+// equal spaces do not allow it, a gap is moved by as little as possible. A port that has no place with its own room takes that
+// of the others. The result begins with the port and goes round. Fewer than `count`: the rest has no place.
 // Deterministic; O(n) in the blocked intervals for each of 120 rotations and each gap.
-std::vector<double> places_for_gaps(double length, int count, double half, double port,
+std::vector<double> places_for_gaps(double length, int count, const GapRoom& room, double port,
                                     const std::vector<Interval>& blocked);
 
 }  // namespace vacuform

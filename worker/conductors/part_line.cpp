@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/pattern/drawn_loop.hpp"
 #include "worker/surface/geodesic.hpp"
 
 namespace vacuform {
@@ -90,7 +91,11 @@ std::vector<Vector2d> PartLine::beside_line(double from, double to, const Left& 
 Area PartLine::strip(double from, double to, const Left& right_edge, const Left& left_edge) const {
   Ring ring = beside_line(from, to, right_edge), left = beside_line(from, to, left_edge);
   ring.insert(ring.end(), left.rbegin(), left.rend());
-  return ring.size() < 3 ? Area() : union_of({ring});
+  if (ring.size() < 3) return {};
+  Area out = union_of({ring});
+  constexpr double least_mm2 = 0.02;  // where an edge folds over itself at a bend, slivers are left
+  std::erase_if(out, [&](const Ring& each) { return std::abs(signed_area(each)) < least_mm2; });
+  return out;
 }
 
 }  // namespace vacuform

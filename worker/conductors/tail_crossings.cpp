@@ -12,7 +12,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double crossing_step_mm = 0.25;
-constexpr double tolerance_on_part_mm = 0.1;  // of the samples, and of curves on the sheet
+constexpr double tolerance_on_part_mm = 0.15;  // of the samples, and of curves on the sheet
 
 // The middle of a trace as points, with boxes around some of them each.
 class TracePoints {

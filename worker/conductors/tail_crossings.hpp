@@ -6,21 +6,10 @@
 
 #include "api/settings.hpp"
 #include "worker/conductors/part_line.hpp"
+#include "worker/conductors/tail_sizes.hpp"
 #include "worker/conductors/tails.hpp"
 
 namespace vacuform {
-
-// The leads of a tail, mm on the part.
-struct LeadSizes {
-  double width_mm = 0, between_mm = 0;
-  double port_mm = 0;    // between the leads at the port
-  double trace_mm = 0;   // width of the loop's trace
-  double spread_mm = 4;  // over which the leads spread from the port, and to the pads
-  double pad_length_mm = 3, pad_width_mm = 0, pitch_mm = 0;  // of the pads
-
-  double pair_mm() const { return between_mm + 2 * width_mm; }
-  double field_mm() const { return pitch_mm + pad_width_mm; }
-};
 
 // Another loop on the face.
 struct OtherTrace {

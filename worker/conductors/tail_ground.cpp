@@ -113,8 +113,8 @@ void TailGround::add_ink(int loop, const Islands& ink) {
   }
 }
 
-void TailGround::add_line(const std::vector<Vector2d>& line, double width_mm) {
-  add(-1, Kind::closed, line, width_mm).line = true;
+void TailGround::add_line(const std::vector<Vector2d>& line, double width_mm, Kind kind) {
+  add(-1, kind, line, width_mm).line = true;
 }
 
 void TailGround::remove_lines() {
@@ -122,12 +122,13 @@ void TailGround::remove_lines() {
 }
 
 TailGround::Rooms TailGround::rooms_for(int loop) const {
-  Rooms out{cells_.open_ground(), cells_.open_ground(), cells_.open_ground()};
+  Rooms out{cells_.open_ground(), cells_.open_ground(), cells_.open_ground(), cells_.open_ground()};
   for (const Thing& thing : things_) {
     const bool own = thing.loop == loop;
     if (own && thing.port) continue;
     Room& room = own && (thing.ink || thing.kind == Kind::crossable) ? out.own
                  : thing.kind == Kind::crossable                     ? out.crossable
+                 : thing.kind == Kind::beneath                       ? out.beneath
                                                                      : out.closed;
     for (const auto& [cell, mm] : thing.room) room[index(cell)] = std::min(room[index(cell)], mm);
   }

@@ -21,19 +21,20 @@ class TailGround {
   const InkedSurface& surface() const { return charted_.surface(); }
 
   // A part of a trace, so wide on the part. A `crossable` one may be crossed by the tails of other loops.
-  enum class Kind { crossable, closed };
+  // `beneath`: on the other face.
+  enum class Kind { crossable, closed, beneath };
   void add_trace(int loop, Kind kind, const Trace& trace, const Interval& along, double width_mm);
   // The gap of a loop's own port does not bar its own tail.
   void add_port(int loop, const Trace& trace, const Interval& along, double width_mm);
   // Ink on the flat sheet. That of a loop does not bar the beginning of its own tail; -1: of none.
   void add_ink(int loop, const Islands& ink);
-  // A line on the flat sheet that nothing else may come near.
-  void add_line(const std::vector<Eigen::Vector2d>& line, double width_mm);
+  // A line on the flat sheet.
+  void add_line(const std::vector<Eigen::Vector2d>& line, double width_mm, Kind kind);
   void remove_lines();  // all that add_line() added
 
   struct Rooms {
-    Room closed, own,
-        crossable;  // beside what nothing crosses, the loop's own ink, and the traces of other loops
+    Room closed, own, crossable,
+        beneath;  // beside what nothing crosses, the loop's own ink, the traces of other loops, and tails on the other face
   };
   Rooms rooms_for(int loop) const;
 

@@ -16,11 +16,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// The pins of headers and small connectors are that far apart.
-constexpr double least_pitch_mm = 2.54, least_pad_mm = 1.5, between_pads_mm = 1;
-// Leads that lie farther apart would be a loop of their own.
-constexpr double most_between_mm = 3;
-
 double smooth_step(double x) {
   const double t = std::clamp(x, 0.0, 1.0);
   return t * t * (3 - 2 * t);
@@ -128,18 +123,6 @@ void measure(const PartLine& line, double start_mm, const Settings& settings, Ta
 }
 
 }  // namespace
-
-LeadSizes lead_sizes(const CoilSettings& settings, double port_mm, double trace_mm) {
-  LeadSizes out;
-  out.width_mm = settings.tail_width_mm;
-  out.port_mm = port_mm;
-  out.between_mm = std::clamp(port_mm, std::min(settings.clearance_mm, most_between_mm), most_between_mm);
-  out.trace_mm = trace_mm;
-  out.pad_width_mm = std::max(least_pad_mm, settings.tail_width_mm);
-  out.pitch_mm =
-      std::max(least_pitch_mm, out.pad_width_mm + std::max(between_pads_mm, settings.clearance_mm));
-  return out;
-}
 
 std::optional<LaidTail> lead_ink(TailWay way, const InkedSurface& surface, const PlaneLocator& locator,
                                  const std::vector<OtherTrace>& others, const Settings& settings) {

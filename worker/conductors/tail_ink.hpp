@@ -8,9 +8,6 @@
 
 namespace vacuform {
 
-// `port_mm`: between the leads at the port, as wide as the port's gap there.
-LeadSizes lead_sizes(const CoilSettings& settings, double port_mm, double trace_mm);
-
 // What a tail follows.
 struct TailWay {
   const LaidLoop& loop;

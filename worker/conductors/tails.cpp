@@ -19,10 +19,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Beside the clearance: that of a place on the part from the middle of its cell.
-constexpr double cell_slack_mm = 0.3;
-// What a millimetre costs near the trace of another loop, and within this distance of anything.
-constexpr float crossing_cost = 8, crowded_cost = 1.5;
+// What a millimetre costs near the trace of another loop, over a tail on the other face, and within this distance of anything.
+constexpr float crossing_cost = 8, beneath_cost = 3, crowded_cost = 1.5;
 constexpr double crowded_mm = 1.5;
 constexpr double leaves_head_mm = 2;  // how far beyond the chart the pads begin, on the part
 constexpr double frame_mm = 4;  // pads keep this far from the window of the clamp frame, on the flat sheet
@@ -60,7 +58,7 @@ class TailPlan {
   }
   int face_of(const LaidLoop& loop) const { return array_.faces[index(loop.element)]; }
   double width_of(std::size_t i) const { return array_.loops[i].trace->width_mm() * array_.widest[i]; }
-  double margin() const { return std::max(coils_.clearance_mm, coils_.patch_margin_mm); }
+  double margin() const { return tail_margin_mm(coils_); }
 
   // Between the leads: the width of the port, within what can be printed and soldered.
   LeadSizes sizes_of(std::size_t i) const {
@@ -86,7 +84,7 @@ class TailPlan {
     double widest = 0;
     for (std::size_t i = 0; i < array_.loops.size(); ++i)
       if (port_of(array_.loops[i])) widest = std::max(widest, sizes_of(i).field_mm() / 2);
-    auto out = std::make_unique<TailGround>(side, box, widest + margin() + cell_slack_mm + crowded_mm);
+    auto out = std::make_unique<TailGround>(side, box, widest + margin() + tail_slack_mm + crowded_mm);
     for (std::size_t i = 0; i < array_.loops.size(); ++i) add_loop(i, face, *out);
     for (const LaidInkArea& ink : array_.other)
       if (ink.face == face) out->add_ink(loop_of(ink.element), Islands(ink.area));
@@ -106,9 +104,13 @@ class TailPlan {
     if (here) {
       out.add_trace(number, TailGround::Kind::crossable, *loop.trace, {0, loop.trace->path().length()},
                     width_of(i));
-      for (const Interval& part : loop.covered)
-        out.add_trace(number, TailGround::Kind::closed, *loop.trace, part,
-                      width_of(i) + 2 * coils_.patch_margin_mm);
+      for (const Interval& part : loop.covered) {
+        // Its ends are square, those of a stamped line round.
+        const double wide = width_of(i) + 2 * coils_.patch_margin_mm,
+                     shorter = std::min(0.45 * part.length(), 0.35 * wide / loop.trace->scale());
+        out.add_trace(number, TailGround::Kind::closed, *loop.trace, {part.from + shorter, part.to - shorter},
+                      wide);
+      }
     }
     const Pads pads = pads_of(coils_);
     for (const LoopGap& gap : array_.gaps) {
@@ -143,6 +145,7 @@ class TailPlan {
   }
 
   std::vector<std::optional<LaidTail>> lay_all(const std::vector<std::size_t>& order) {
+    for (const std::size_t i : order) ground(face_of(array_.loops[i]));
     for (const auto& each : grounds_)
       if (each) each->remove_lines();
     std::vector<std::optional<LaidTail>> out(array_.loops.size());
@@ -150,9 +153,14 @@ class TailPlan {
       out[i] = lay(i);
       if (!out[i]) continue;
       const LeadSizes sizes = sizes_of(i);
-      TailGround& on = ground(face_of(array_.loops[i]));
-      on.add_line(out[i]->tail.line, sizes.pair_mm());
-      on.add_line(out[i]->field, sizes.field_mm());
+      for (const int face : {0, 1}) {
+        if (!grounds_[index(face)]) continue;
+        // Pads lie apart on both faces, and so do leads where that costs little.
+        const bool here = face == face_of(array_.loops[i]);
+        grounds_[index(face)]->add_line(out[i]->tail.line, sizes.pair_mm(),
+                                        here ? TailGround::Kind::closed : TailGround::Kind::beneath);
+        grounds_[index(face)]->add_line(out[i]->field, sizes.field_mm(), TailGround::Kind::closed);
+      }
     }
     return out;
   }
@@ -181,6 +189,7 @@ class TailPlan {
       if (cells.triangle(c) < 0 || !(nearest >= room_mm) || !std::isfinite(on.off_chart()[k])) continue;
       if (on.off_chart()[k] > 0 && !in_window(cells.middle(c))) continue;
       out[k] = rooms.crossable[k] < room_mm                                   ? crossing_cost
+               : rooms.beneath[k] < room_mm                                   ? beneath_cost
                : std::min(nearest, rooms.crossable[k]) < room_mm + crowded_mm ? crowded_cost
                                                                               : 1;
     }
@@ -209,20 +218,23 @@ class TailPlan {
     return out;
   }
 
-  // The middle of the pads and of the leads that spread to them, straight on from a cell beside the chart; empty: no room.
-  std::vector<Vector2d> field_from(int cell, const TailGround& on, const TailGround::Rooms& rooms,
-                                   const LeadSizes& sizes) const {
-    const Vector2d way = on.outwards(cell);
+  // The middle of the pads and of the leads that spread to them, straight on from a place beside the chart; empty: no room.
+  struct Onwards {
+    Vector2d from, way;
+  };
+  std::vector<Vector2d> field_from(const Onwards& onwards, const TailGround& on,
+                                   const TailGround::Rooms& rooms, const LeadSizes& sizes) const {
+    const Vector2d& way = onwards.way;
     if (!(way.norm() > 0)) return {};
     constexpr double step_mm = 0.2;
-    std::vector<Vector2d> out{on.cells().middle(cell)};
+    std::vector<Vector2d> out{onwards.from};
     double mm = 0;
-    const double clear = sizes.field_mm() / 2 + coils_.clearance_mm + cell_slack_mm;
+    const double clear = sizes.field_mm() / 2 + coils_.clearance_mm + tail_slack_mm;
     while (mm < sizes.spread_mm + sizes.pad_length_mm) {
       const int at = on.cells().at(out.back());
       if (at < 0 || !(on.off_chart()[index(at)] > 0) || !in_window(out.back())) return {};
       const std::size_t k = index(at);
-      if (std::min({rooms.closed[k], rooms.own[k], rooms.crossable[k]}) < clear) return {};
+      if (std::min({rooms.closed[k], rooms.own[k], rooms.crossable[k], rooms.beneath[k]}) < clear) return {};
       const double on_part = on.cells().on_part(at, step_mm * way);
       mm += on_part;
       out.push_back(out.back() + step_mm * way);
@@ -235,7 +247,7 @@ class TailPlan {
     const LoopGap& port = *port_of(loop);
     const TailGround& on = ground(face_of(loop));
     const LeadSizes sizes = sizes_of(i);
-    const double clear = sizes.pair_mm() / 2 + margin(), room = clear + cell_slack_mm;
+    const double clear = sizes.pair_mm() / 2 + margin(), room = clear + tail_slack_mm;
     const TailGround::Rooms rooms = on.rooms_for(static_cast<int>(i));
     const WayCosts costs = costs_for(on, rooms, room);
     const auto from = clear_of_own(port, on, costs, rooms);
@@ -246,11 +258,16 @@ class TailPlan {
       const float off = on.off_chart()[index(cell)];
       if (off < leaves_head_mm || off > leaves_head_mm + 1 || !is_exit(on.cells().middle(cell), middle))
         return false;
-      field = field_from(cell, on, rooms, sizes);
+      field = field_from({on.cells().middle(cell), on.outwards(cell)}, on, rooms, sizes);
       return !field.empty();
     };
     auto way = cheapest_way(on.cells(), costs, *from, is_end);
     if (!way) return std::nullopt;
+    // The tail ends straight if it can.
+    if (const Vector2d arrives = (way->back() - (*way)[way->size() - 2]).normalized();
+        arrives.dot(field.back() - field.front()) > 0)
+      if (auto straight = field_from({way->back(), arrives}, on, rooms, sizes); !straight.empty())
+        field = std::move(straight);
     // From within the trace, which the leads are to touch.
     const double start = 0.35 * width_of(i),
                  flat = on.cells().on_part(on.cells().at(port.rest), port.inwards);

@@ -56,7 +56,7 @@ TEST(DrawnGaps, AreWhereTheTraceHasNoInk) {
 }
 
 TEST(PlacesForGaps, AreEquallySpacedFromThePort) {
-  const auto places = places_for_gaps(100, 4, 2, 13, {});
+  const auto places = places_for_gaps(100, 4, {2, 2}, 13, {});
   ASSERT_EQ(places.size(), 4u);
   for (std::size_t i = 0; i < 4; ++i)
     EXPECT_NEAR(apart_on_loop(places[i], 13 + 25.0 * static_cast<double>(i), 100), 0, 1e-9);
@@ -65,7 +65,7 @@ TEST(PlacesForGaps, AreEquallySpacedFromThePort) {
 TEST(PlacesForGaps, KeepClearOfWhatIsBlocked) {
   const std::vector<Interval> blocked{{10, 20}, {30, 44}, {95, 103}};
   for (const double port : {0.0, 15.0, 37.0, 99.0}) {
-    const auto places = places_for_gaps(100, 3, 2, port, blocked);
+    const auto places = places_for_gaps(100, 3, {2, 2}, port, blocked);
     ASSERT_EQ(places.size(), 3u) << port;
     for (const double at : places)
       for (const Interval& b : blocked)
@@ -76,9 +76,9 @@ TEST(PlacesForGaps, KeepClearOfWhatIsBlocked) {
 }
 
 TEST(PlacesForGaps, AreFewerWhereThereIsNoRoom) {
-  EXPECT_EQ(places_for_gaps(100, 3, 2, 0, {{0, 93}}).size(), 1u);
-  EXPECT_TRUE(places_for_gaps(100, 3, 2, 0, {{10, 106.5}}).empty());
-  EXPECT_EQ(places_for_gaps(100, 3, 2, 0, {{-5, 88}}).size(), 1u);
+  EXPECT_EQ(places_for_gaps(100, 3, {2, 2}, 0, {{0, 93}}).size(), 1u);
+  EXPECT_TRUE(places_for_gaps(100, 3, {2, 2}, 0, {{10, 106.5}}).empty());
+  EXPECT_EQ(places_for_gaps(100, 3, {2, 2}, 0, {{-5, 88}}).size(), 1u);
 }
 
 // A tenth of a wavelength is 469, 235 and 101 mm at 1.5, 3 and 7 T.
