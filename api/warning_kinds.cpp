@@ -220,12 +220,11 @@ constexpr WarningKind kinds[] = {
      "mold with the "
      "patient."},
     {"tails-left-out", Severity::warning,
-     "A tail has no way from the port of its loop to the edge: other conductors, gaps and tails block it. "
-     "The "
-     "port is there without a tail.",
-     "Set a smaller coils.tail_width_mm, coils.tails=nearest, another coils.port or coils.build=two_faces, "
-     "or "
-     "a larger sheet and window."},
+     "Loops have no tails: other conductors, gaps and tails block every way from the port to the edge, or "
+     "there is no port.",
+     "Set coils.gaps, a smaller coils.tail_width_mm, coils.tails=nearest, another coils.port or "
+     "coils.build=two_faces,  "
+     "or a larger sheet and window."},
     {"thin", Severity::warning, "The sheet becomes thinner than forming.thin_limit.",
      "Use a thicker sheet or a lower mold."},
     {"tilted", Severity::warning,
