@@ -223,7 +223,7 @@ constexpr WarningKind kinds[] = {
      "Loops have no tails: other conductors, gaps and tails block every way from the port to the edge, or "
      "there is no port.",
      "Set coils.gaps, a smaller coils.tail_width_mm, coils.tails=nearest, another coils.port or "
-     "coils.build=two_faces,  "
+     "coils.build=two_faces, "
      "or a larger sheet and window."},
     {"thin", Severity::warning, "The sheet becomes thinner than forming.thin_limit.",
      "Use a thicker sheet or a lower mold."},
