@@ -56,7 +56,7 @@ class Build {
     build_.warnings.insert(build_.warnings.end(), layout.warnings.begin(), layout.warnings.end());
     if (settings_.print.compensate_width) widen();
     make_layers();
-    if (settings_.coils.tails != TailExit::none) add_tails();
+    if (settings_.coils.tails != TailExit::none) VACUFORM_CHECK(add_tails(context));
     std::sort(build_.layers.begin(), build_.layers.end(), [](const BuiltLayer& a, const BuiltLayer& b) {
       return std::pair(a.face, a.step) < std::pair(b.face, b.step);
     });
@@ -333,7 +333,7 @@ class Build {
     leave_out_empty_layers();
   }
 
-  void add_tails() {
+  Result<void> add_tails(const Context& context) {
     std::vector<double> widest;
     for (const LaidLoop& loop : loops_)
       widest.push_back(build_.widened.empty() ? 1 : build_.widened[index(loop.element)].widest);
@@ -344,14 +344,15 @@ class Build {
       for (const Segment& chart : placement.charts) out.push_back(&chart.patch);
       return out;
     };
-    TailLayout tails =
+    VACUFORM_TRY(
+        tails,
         lay_tails({loops_,
                    build_.gaps,
                    build_.faces,
                    widest,
                    {&sides_.first, &sides_.reverse},
                    ink_beside_traces(build_.layers, build_.faces, widest_by_element(widest), patch_of)},
-                  settings_);
+                  settings_, context));
     for (const Tail& tail : tails.tails)
       for (const TailCrossing& crossing : tail.crossings)
         layer(PrintStep::dielectric, build_.faces[index(tail.coil)])
@@ -361,6 +362,7 @@ class Build {
     for (LaidInkArea& ink : tails.ink) built_layer(ink.step, ink.face).laid.push_back(std::move(ink));
     build_.tails = std::move(tails.tails);
     say_left_out(tails.left_out);
+    return {};
   }
 
   void say_left_out(const std::vector<int>& blocked) {

@@ -23,6 +23,15 @@ Islands cover_of(const std::vector<PrintedInk>& ink, int face) {
   return Islands(rings);
 }
 
+// Whether a port is soldered elsewhere, at the pads of its tail; then, whether something covers one of these.
+std::optional<bool> has_covered_tail(const std::vector<Tail>& tails, const LoopGap& gap,
+                                     const Islands& cover) {
+  const auto tail = std::find_if(tails.begin(), tails.end(),
+                                 [&](const Tail& each) { return gap.port && each.coil == gap.coil; });
+  if (tail == tails.end()) return std::nullopt;
+  return cover.at(tail->pads[0]) >= 0 || cover.at(tail->pads[1]) >= 0;
+}
+
 // Whether most of a pad is covered: lengths along the loop in the drawing, its width on the part.
 bool is_covered(const Trace& trace, const Interval& pad, double width_mm, const Islands& cover) {
   constexpr int along = 6, across = 3;
@@ -67,6 +76,10 @@ std::optional<Warning> covered_pads(const Drawing& drawing, const Placement& pla
     const int face = build.faces[index(gap.coil)];
     const Islands& cover = covers[index(face)];
     if (gap.plate || cover.count() == 0) continue;
+    if (const auto covered = has_covered_tail(build.tails, gap, cover)) {
+      if (*covered) found.push_back(&gap);
+      continue;
+    }
     if (std::exchange(traced, gap.coil) != gap.coil) {
       const std::vector<PlacedElement>& elements = build.placement(face, placement).elements;
       const auto placed = std::find_if(elements.begin(), elements.end(),

@@ -33,10 +33,10 @@ class TailPlan {
         settings_(settings),
         locator_(array.sides[0]->surface().triangles(), array.sides[0]->surface().rest()) {}
 
-  TailLayout run() {
+  Result<TailLayout> run(const Context& context) {
     std::vector<std::size_t> order = by_distance();
     for (int round = 0; round < most_rounds; ++round) {
-      std::vector<std::optional<LaidTail>> tails = lay_all(order);
+      VACUFORM_TRY(tails, lay_all(order, context));
       std::vector<std::size_t> without, with;
       for (const std::size_t i : order) (tails[i] ? with : without).push_back(i);
       if (round == 0 || without.size() < left_out_) left_out_ = without.size(), best_ = std::move(tails);
@@ -144,12 +144,14 @@ class TailPlan {
     return out;
   }
 
-  std::vector<std::optional<LaidTail>> lay_all(const std::vector<std::size_t>& order) {
+  Result<std::vector<std::optional<LaidTail>>> lay_all(const std::vector<std::size_t>& order,
+                                                       const Context& context) {
     for (const std::size_t i : order) ground(face_of(array_.loops[i]));
     for (const auto& each : grounds_)
       if (each) each->remove_lines();
     std::vector<std::optional<LaidTail>> out(array_.loops.size());
     for (const std::size_t i : order) {
+      if (context.cancelled()) return fail(Code::cancelled, "cancelled");
       out[i] = lay(i);
       if (!out[i]) continue;
       const LeadSizes sizes = sizes_of(i);
@@ -323,8 +325,8 @@ double tail_ohm(const Tail& tail, const CircuitSettings& settings) {
   return tail.squares * settings.ink_mohm / 1000;
 }
 
-TailLayout lay_tails(const ArraySoFar& array, const Settings& settings) {
-  return TailPlan(array, settings).run();
+Result<TailLayout> lay_tails(const ArraySoFar& array, const Settings& settings, const Context& context) {
+  return TailPlan(array, settings).run(context);
 }
 
 }  // namespace vacuform

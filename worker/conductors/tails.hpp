@@ -13,6 +13,7 @@
 #include "worker/conductors/gap_layout.hpp"
 #include "worker/pattern/area.hpp"
 #include "worker/placement/charted_surface.hpp"
+#include "worker/stage/context.hpp"
 
 namespace vacuform {
 
@@ -76,7 +77,7 @@ struct ArraySoFar {
 };
 
 // As settings.coils asks. The nearest to the edge come first; if some find no way, these come first in another try. The widths
-// and distances of the leads are exact on the triangles of the part where the tail is straight. Deterministic.
-TailLayout lay_tails(const ArraySoFar& array, const Settings& settings);
+// and distances of the leads are exact on the triangles of the part where the tail is straight. Deterministic. Errors: cancelled.
+Result<TailLayout> lay_tails(const ArraySoFar& array, const Settings& settings, const Context& context);
 
 }  // namespace vacuform
