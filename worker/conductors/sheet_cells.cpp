@@ -50,7 +50,8 @@ int SheetCells::at(const Vector2d& rest) const {
 }
 
 Vector2d SheetCells::middle(int cell) const {
-  return low_ + size_mm * Vector2d(cell % columns_ + 0.5, cell / columns_ + 0.5);
+  const int column = cell % columns_, row = cell / columns_;
+  return low_ + size_mm * Vector2d(column + 0.5, row + 0.5);
 }
 
 std::vector<int> SheetCells::neighbours(int cell) const {
