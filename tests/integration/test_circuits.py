@@ -56,9 +56,7 @@ class Nets:
             dielectric = unary_union(list(itertools.chain(*areas(folder / f"print{face}-dielectric.svg").values())))
             bridges = areas(folder / f"print{face}-bridges.svg")
             self.conductors[face] = {id: unary_union(some) for id, some in conductors.items()}
-            # The edges of a lead may cross within a hundredth of a millimetre at a bend: such a crumb is no conductor.
-            ink = [(id, part) for id, whole in self.conductors[face].items() for part in getattr(whole, "geoms", [whole])
-                   if part.area > 0.005]
+            ink = [(id, part) for id, whole in self.conductors[face].items() for part in getattr(whole, "geoms", [whole])]
             first = len(self.parts)
             self.parts += [(id, part) for id, part in ink]
             for i, k in itertools.combinations(range(first, len(self.parts)), 2):

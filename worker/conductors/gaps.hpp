@@ -30,7 +30,7 @@ std::vector<Interval> inked_parts(const LoopPath& path, const Islands& ink);
 int gaps_for_frequency(double length_mm, double width_mm, double frequency_mhz);
 inline constexpr double least_gap_pf = 2;
 
-// What a gap takes up to each side of its middle, mm in the drawing; that of the port may have to leave room for its tail.
+// The room of a gap to each side of its middle, mm in the drawing. A port with a tail needs more.
 struct GapRoom {
   double half = 0, of_port = 0;
 };

@@ -41,6 +41,8 @@ void fill(EmbreeScene& to, const TriangleMesh& mesh, RayTree tree) {
     auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), mesh.triangles.size()));
     if (!points || !indices) throw std::bad_alloc();
+    to.points = points;
+    to.corners = indices;
     for (const auto& p : mesh.vertices)
       for (int k = 0; k < 3; ++k) *points++ = static_cast<float>(p[k] - to.centre[k]);
     for (const Triangle& t : mesh.triangles)

@@ -23,6 +23,8 @@ struct EmbreeScene {
   RTCDeviceTy* device = nullptr;
   RTCSceneTy* scene = nullptr;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  const float* points = nullptr;      // of the scene, three for each vertex
+  const unsigned* corners = nullptr;  // the same, three for each triangle
 };
 
 }  // namespace vacuform

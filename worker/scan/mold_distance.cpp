@@ -75,13 +75,14 @@ struct Search {
   int triangle = -1;                                      // of the best
   double enough = 0;                                      // squared: the search ends below it
 
-  // Whether the triangle is closer than the best so far, and so becomes the best.
+  // Whether the triangle is closer than the best so far, and so becomes the best. Of equally close ones, the first of the mesh
+  // is the best: processors look at them in different orders.
   bool offer(int candidate) {
     const Triangle& t = mesh.triangles[candidate];
     const auto corner = [&](std::size_t k) -> const Vector3d& { return mesh.vertices[t[k]]; };
     const Vector3d to_it = way_to(point, corner(0), corner(1), corner(2));
     const double squared = to_it.squaredNorm();
-    if (!(squared < best)) return false;
+    if (!(squared < best || (squared == best && candidate < triangle))) return false;
     best = squared;
     way = to_it;
     triangle = candidate;
