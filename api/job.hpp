@@ -41,7 +41,7 @@ struct InputKind {
 };
 inline constexpr std::array<InputKind, 5> input_kinds{{
     {"scan", "Scan of the head", ".stl,.obj,.ply,.off,.glb,.zip", 1ull << 30},
-    {"pattern", "Pattern", ".svg,.svgz,.dxf,.png,.jpg,.jpeg", 256ull << 20},
+    {"pattern", "Pattern", ".svg,.svgz,.dxf,.png,.jpg,.jpeg,.zip", 256ull << 20},
     {"temperature", "Temperature, where measured", ".csv,.txt,.png", 64ull << 20, false},
     {"weights", "Picture that is dark where the chart is distorted least", ".png,.jpg,.jpeg,.svg",
      64ull << 20, false},

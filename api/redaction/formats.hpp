@@ -89,6 +89,12 @@ Result<void> ply(Cursor& in, Copy& out, const TextureName& texture = {});
 Result<void> glb(Cursor& in, std::uint64_t size, Copy& out);
 inline constexpr std::uint64_t most_svg = 32 << 20;  // bytes, unpacked
 Result<void> svg(const ByteSource& file, Copy& out);
+// Drawings of one page as one, each in a group that is its layer. Errors: those of svg(), unusable_pattern (their pages differ, or
+// the style sheet of one would style others).
+struct LayerFile {
+  std::string layer, path, text;
+};
+Result<void> svg_of_layers(std::span<const LayerFile> files, Copy& out);
 // Whether a text is a DXF in ASCII, by its first two lines; comments before it count as one.
 bool begins_dxf(std::string_view head);
 Result<void> dxf(Cursor& in, Copy& out);

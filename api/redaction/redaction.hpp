@@ -33,17 +33,24 @@ Result<void> redact(const ByteSource& file, const std::string& extension, const 
 // In memory. `file_name` may be any name; only its extension counts.
 Result<void> redact(std::vector<std::uint8_t>& bytes, const std::string& file_name);
 
-// The largest zip that is read. A zip holds a model: one OBJ with its MTL, or one PLY, and PNG or JPEG images (PKWARE, .ZIP
-// File Format Specification 6.3). It is written again, uncompressed: model.obj, model.mtl or model.ply, and texture-1 and so
-// on, the images by the numbers that the files call them by. Other entries are left out. The same entries in the same order
-// give the same bytes. Refused: encrypted and damaged archives, packing other than deflate, absolute paths and those to a
-// parent folder, links, more than one model, images that are missing or neither PNG nor JPEG, and what is beyond these limits.
-struct ModelZipLimits {
+// The largest zip that is read (PKWARE, .ZIP File Format Specification 6.3). The same entries in the same order give the same
+// bytes. Refused: encrypted and damaged archives, packing other than deflate, absolute paths and those to a parent folder, links,
+// and what is beyond these limits.
+//
+// A zip holds a model: one OBJ with its MTL, or one PLY, and PNG or JPEG images. It is written again, uncompressed: model.obj,
+// model.mtl or model.ply, and texture-1 and so on, the images by the numbers that the files call them by. Other entries are left
+// out. Refused: more than one model, images that are missing or neither PNG nor JPEG.
+//
+// Or it holds the layers of a print: SVG and SVGZ files whose names end with that of a layer (print_step.hpp), after the name of
+// a project, as head-F_Cu.svg does. They are written as one SVG, each in a group with the name of its layer; ids and classes that
+// another file has too get a number. Refused: drawings without such a name, pictures and DXF files with one, drawings
+// whose pages differ, and style sheets that would style other drawings.
+struct ZipLimits {
   std::uint64_t entries = 1000;                                // also of what is left out
   std::uint64_t bytes = (std::uint64_t{1} << 30) - (1 << 20);  // unpacked, of what is kept
   std::uint64_t ratio = 200;     // unpacked against packed, of an entry above a mebibyte
   std::uint64_t line = 1 << 20;  // of an OBJ or MTL
 };
-inline constexpr ModelZipLimits model_zip_limits;
+inline constexpr ZipLimits zip_limits;
 
 }  // namespace vacuform

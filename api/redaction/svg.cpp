@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -47,6 +50,45 @@ std::string escaped(std::string_view text, bool attribute) {
   return out;
 }
 
+using Names = std::set<std::string, std::less<>>;
+using NewName = std::function<std::string(std::string_view)>;
+
+// A list of words with what `name` gives for each of them.
+std::string with_words(std::string_view list, const NewName& name) {
+  std::string out;
+  while (!list.empty()) {
+    const std::size_t end = std::min(list.find_first_of(" \t\r\n"), list.size());
+    if (end > 0) out += name(list.substr(0, end));
+    out += list.substr(end, 1);
+    list.remove_prefix(std::min(end + 1, list.size()));
+  }
+  return out;
+}
+
+// The ids and classes of a drawing that is put beside others: one that these have, too, gets another name.
+class OwnNames {
+ public:
+  OwnNames() = default;
+  OwnNames(const Names& own, const Names& of_others) {
+    Names ends;  // of all of them, from the last line on
+    for (const Names* names : {&own, &of_others})
+      for (const std::string& word : *names)
+        if (const std::size_t line = word.rfind('_'); line != word.npos) ends.insert(word.substr(line));
+    int number = 2;
+    const auto end = [&] { return std::string("_").append(std::to_string(number)); };
+    while (ends.contains(end())) ++number;
+    for (const std::string& word : own)
+      if (of_others.contains(word)) renamed_.emplace(word, word + end());
+  }
+  std::string operator()(std::string_view word) const {
+    const auto at = renamed_.find(word);
+    return at == renamed_.end() ? std::string(word) : at->second;
+  }
+
+ private:
+  std::map<std::string, std::string, std::less<>> renamed_;
+};
+
 // A style sheet or a list of declarations without comments, blanks beside signs, and addresses outside of the file.
 std::string without_comments(std::string_view text) {
   std::string out;
@@ -59,15 +101,22 @@ std::string without_comments(std::string_view text) {
     text.remove_prefix(end + 2);
   }
 }
-std::string without_addresses(std::string_view text) {
+std::string without_addresses(std::string_view text, const OwnNames& own) {
   std::string out;
   for (;;) {
     const std::size_t begin = text.find("url(");
     out += text.substr(0, std::min(begin, text.size()));
     if (begin == std::string_view::npos) return out;
     const std::size_t end = std::min(text.find(')', begin), text.size());
-    const std::string_view address = text.substr(begin + 4, end - begin - 4);
-    out.append("url(").append(trimmed(address, " \t\r\n'\"").starts_with('#') ? address : "");
+    const std::string_view whole = text.substr(begin + 4, end - begin - 4),
+                           address = trimmed(whole, " \t\r\n'\"");
+    out += "url(";
+    if (address.starts_with('#')) {
+      const std::size_t word = whole.find('#') + 1;
+      out.append(whole.substr(0, word))
+          .append(own(address.substr(1)))
+          .append(whole.substr(word + address.size() - 1));
+    }
     text.remove_prefix(end);
   }
 }
@@ -84,6 +133,24 @@ std::string without_notes(std::string_view declarations) {
 std::string without_blanks(std::string_view text) {
   std::string out(text);
   std::erase_if(out, [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; });
+  return out;
+}
+
+// Selectors of CSS with what `name` gives for each class and id in them. Nothing if one of them has neither.
+std::optional<std::string> with_names(std::string_view selectors, const NewName& name) {
+  std::string out;
+  bool named = false;
+  for (std::size_t at = 0; at < selectors.size();) {
+    const char c = selectors[at++];
+    out += c;
+    if (c == ',' && !std::exchange(named, false)) return std::nullopt;
+    if (c != '.' && c != '#') continue;
+    const std::size_t end = std::min(selectors.find_first_of(" \t\r\n.#:,>+~[]()*", at), selectors.size());
+    out += name(selectors.substr(at, end - at));
+    named |= end > at;
+    at = end;
+  }
+  if (!named) return std::nullopt;
   return out;
 }
 
@@ -294,10 +361,10 @@ class Walk {
   std::optional<Error> problem_;
 };
 
-// What <use> draws, and the classes that style sheets hide: both count for elements before them.
+// What <use> draws, and the classes that style sheets hide: both count for elements before them. And the ids and classes.
 class Looks : public Walk {
  public:
-  std::set<std::string, std::less<>> used, hidden_classes;
+  Names used, hidden_classes, names;
 
  private:
   Result<void> start(std::string_view element, const Attributes& attributes) override {
@@ -305,6 +372,10 @@ class Looks : public Walk {
     for (const auto& [key, value] : attributes)
       if (element == "use" && name(key).local == "href" && value.starts_with('#'))
         used.emplace(value.substr(1));
+      else if (key == "id" || key == "xml:id")
+        names.emplace(value);
+      else if (key == "class")
+        with_words(value, note_);
     return {};
   }
   Result<void> text(std::string_view text) override {
@@ -317,6 +388,7 @@ class Looks : public Walk {
     for (std::string_view rest = sheet; !rest.empty();) {
       const std::size_t open = std::min(rest.find('{'), rest.size()),
                         close = std::min(rest.find('}'), rest.size());
+      with_names(rest.substr(0, open), note_);
       if (open < close && hides(rest.substr(open + 1, close - open - 1)))
         hide(without_blanks(rest.substr(0, open)));
       rest.remove_prefix(std::min(close + 1, rest.size()));
@@ -331,40 +403,60 @@ class Looks : public Walk {
     }
   }
 
+  const NewName note_ = [this](std::string_view word) { return *names.emplace(word).first; };
   bool in_style_ = false;
   std::string sheet_;
 };
 
+// Where a drawing stands among those that become one.
+struct Part {
+  std::string_view layer;  // empty: it is the whole
+  bool first = true, last = true;
+  OwnNames own = {};
+};
+
 class Writer : public Walk {
  public:
-  Writer(const Looks& looks, Copy& out) : looks_(looks), out_(out) {}
+  Writer(const Looks& looks, const Part& part, Copy& out) : looks_(looks), part_(part), out_(out) {}
+
+  // How large its page is, by the attributes of the root.
+  const std::string& page() const { return page_; }
 
  private:
+  static constexpr std::string_view of_pages[] = {"width", "height", "viewBox", "preserveAspectRatio",
+                                                  "inkscape:version"};
+
   Result<void> start(std::string_view element, const Attributes& attributes) override {
     open_.push_back({std::string(element), hidden(attributes)});
     if (!in_text()) VACUFORM_CHECK(reach_line());
     texts_ += element == "text" ? 1 : 0;
-    std::string tag = "<" + std::string(element);
-    if (open_.size() == 1)
-      tag.append(" xmlns=\"")
-          .append(svg_uri)
-          .append("\" xmlns:xlink=\"")
-          .append(xlink_uri)
-          .append("\" xmlns:inkscape=\"")
-          .append(inkscape_uri)
-          .append("\"");
+    std::string tag, of_page;
+    const bool root = open_.size() == 1;
     for (const auto& [key, value] : attributes) {
       VACUFORM_TRY(kept, attribute(key, value));
-      if (!kept.first.empty()) tag += " " + kept.first + "=\"" + escaped(kept.second, true) + "\"";
+      if (kept.first.empty()) continue;
+      if (root && kept.first == "inkscape:version") program_ = kept.second;
+      (root && one_of(kept.first, of_pages) ? of_page : tag) +=
+          " " + kept.first + "=\"" + escaped(kept.second, true) + "\"";
     }
-    return write(tag + ">");
+    if (!root) return write("<" + std::string(element) + tag + ">");
+    page_ = page_of(attributes);
+    std::string begin = "<svg xmlns=\"" + std::string(svg_uri) + "\" xmlns:xlink=\"" +
+                        std::string(xlink_uri) + "\" xmlns:inkscape=\"" + std::string(inkscape_uri) + "\"";
+    if (part_.layer.empty()) return write(begin + of_page + tag + ">");
+    return write((part_.first ? begin + of_page + ">" : std::string()) +
+                 "<g inkscape:groupmode=\"layer\" inkscape:label=\"" + escaped(part_.layer, true) + "\"" +
+                 tag + ">");
   }
   Result<void> end(std::string_view element) override {
-    if (!sheet_.empty())
-      VACUFORM_CHECK(write(escaped(without_addresses(without_comments(std::exchange(sheet_, {}))), false)));
+    if (!sheet_.empty()) {
+      VACUFORM_TRY(sheet, own_sheet(without_comments(std::exchange(sheet_, {}))));
+      VACUFORM_CHECK(write(escaped(sheet, false)));
+    }
     texts_ -= element == "text" ? 1 : 0;
     open_.pop_back();
-    return write("</" + std::string(element) + ">");
+    if (!open_.empty() || part_.layer.empty()) return write("</" + std::string(element) + ">");
+    return write(part_.last ? "</g></svg>" : "</g>");
   }
   // Between elements that are not texts only white space is kept.
   Result<void> text(std::string_view text) override {
@@ -384,6 +476,8 @@ class Writer : public Walk {
     const std::string generator = svg_generator_comment(text);
     if (generator.empty() || said_generator_) return {};
     said_generator_ = true;
+    program_ = generator;
+    if (!part_.first) return {};
     VACUFORM_CHECK(reach_line());
     return write("<!-- " + generator + " -->");
   }
@@ -395,9 +489,12 @@ class Writer : public Walk {
     const Name whole = name(key);
     if (whole.local == "href" && (colon == key.npos || whole.uri == xlink_uri)) {
       VACUFORM_TRY(target, reference(value));
+      if (target.starts_with('#')) target = "#" + part_.own(std::string_view(target).substr(1));
       return Kept(colon == key.npos ? "href" : "xlink:href", std::move(target));
     }
-    if (key == "xml:space" || key == "xml:id") return Kept(key, value);
+    if (key == "xml:space") return Kept(key, value);
+    if (key == "xml:id" || key == "id") return Kept(key, part_.own(value));
+    if (key == "class") return Kept(key, with_words(value, part_.own));
     if (whole.local == "groupmode" && whole.uri == inkscape_uri && value == "layer")
       return Kept("inkscape:groupmode", value);
     if (whole.local == "label" && whole.uri == inkscape_uri && drawn_layer(value))
@@ -409,8 +506,44 @@ class Writer : public Walk {
     if (key == "data-place") return Kept(only_numbers(value) ? key : "", value);
     if (colon != key.npos || !known(key, svg_attributes)) return Kept();
     if (key == "requiredExtensions") return Kept(key, trimmed(value).empty() ? "" : "unknown");
-    if (key == "style") return Kept(key, without_notes(without_addresses(without_comments(value))));
-    return Kept(key, without_addresses(value));
+    if (key == "style") return Kept(key, without_notes(addresses(without_comments(value))));
+    return Kept(key, addresses(value));
+  }
+
+  // Pixels are longer or shorter in each program, so there it counts, too.
+  std::string page_of(const Attributes& attributes) const {
+    std::string out;
+    bool absolute = false, box = false;
+    for (const std::string_view name : {"width", "height", "viewBox"})
+      for (const auto& [key, value] : attributes) {
+        if (key != name) continue;
+        const std::string size = without_blanks(value);
+        out.append(out.empty() ? "" : ", ").append(name).append(" ").append(trimmed(value));
+        box |= name == "viewBox";
+        absolute |= !size.empty() && lower(size.back()) >= 'a' && lower(size.back()) <= 'z' &&
+                    !lower(size).ends_with("px");
+      }
+    return absolute && box ? out : out + (program_.empty() ? "" : ", by " + program_);
+  }
+  std::string addresses(std::string_view text) const { return without_addresses(text, part_.own); }
+  // A style sheet counts in the whole file. Beside other drawings, each of its selectors must name a class or an id.
+  Result<std::string> own_sheet(std::string_view sheet) const {
+    if (part_.layer.empty()) return addresses(sheet);
+    std::string out;
+    while (!trimmed(sheet).empty()) {
+      const std::size_t open = std::min(sheet.find('{'), sheet.size()),
+                        close = std::min(sheet.find('}', open), sheet.size());
+      const auto selectors = with_names(sheet.substr(0, open), part_.own);
+      if (!selectors || trimmed(sheet).starts_with('@'))
+        return fail(Code::unusable_pattern,
+                    "the style sheet of this drawing would style the other drawings, too", {},
+                    "save it with the styles in the shapes (Inkscape: plain SVG; Illustrator: presentation "
+                    "attributes), or "
+                    "draw all layers in one file");
+      out += *selectors + addresses(sheet.substr(open, close - open)) + (close < sheet.size() ? "}" : "");
+      sheet.remove_prefix(std::min(close + 1, sheet.size()));
+    }
+    return out;
   }
 
   // Whether nobody sees the texts in the element that is last in open_.
@@ -443,7 +576,9 @@ class Writer : public Walk {
     bool hidden = false;
   };
   const Looks& looks_;
+  const Part& part_;
   Copy& out_;
+  std::string page_, program_;
   std::vector<Open> open_;
   std::size_t texts_ = 0;  // of them that are open
   std::string sheet_;
@@ -460,7 +595,33 @@ Result<void> svg(const ByteSource& file, Copy& out) {
                 "simplify the drawing");
   Looks looks;
   VACUFORM_CHECK(looks.read(file));
-  return Writer(looks, out).read(file);
+  return Writer(looks, Part(), out).read(file);
+}
+
+Result<void> svg_of_layers(std::span<const LayerFile> files, Copy& out) {
+  Names taken;
+  std::string page;
+  for (const LayerFile& file : files) {
+    const auto at_file = [&](Error error) {
+      if (error.where.empty()) error.where = "the zip, " + file.path;
+      return tl::make_unexpected(std::move(error));
+    };
+    const MemorySource source(file.text);
+    Looks looks;
+    if (auto read = looks.read(source); !read) return at_file(std::move(read.error()));
+    const bool first = &file == &files.front();
+    const Part part{file.layer, first, &file == &files.back(), OwnNames(looks.names, taken)};
+    Writer writer(looks, part, out);
+    if (auto written = writer.read(source); !written) return at_file(std::move(written.error()));
+    if (first) page = writer.page();
+    if (writer.page() != page)
+      return fail(Code::unusable_pattern,
+                  "the drawings of the zip have different pages: " + page + " in " + files.front().path +
+                      ", " + writer.page() + " in this one",
+                  "the zip, " + file.path, "draw all layers on one page: the same width, height and viewBox");
+    for (const std::string& word : looks.names) taken.insert(part.own(word));
+  }
+  return {};
 }
 
 }  // namespace vacuform::redaction

@@ -1,17 +1,17 @@
-#include <zip.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <map>
-#include <memory>
-#include <optional>
 #include <set>
 #include <vector>
 
 #include "api/base/text.hpp"
+#include "api/print_step.hpp"
 #include "api/redaction/formats.hpp"
+#include "api/redaction/gunzip.hpp"
 #include "api/redaction/model_names.hpp"
 #include "api/redaction/redaction.hpp"
+#include "api/redaction/zip_entries.hpp"
 
 namespace vacuform::redaction {
 
@@ -20,28 +20,8 @@ namespace {
 constexpr std::uint32_t local_mark = 0x04034b50, central_mark = 0x02014b50, end_mark = 0x06054b50,
                         descriptor_mark = 0x08074b50;
 constexpr std::uint32_t sizes_follow = 8, by_deflate = 8;
-constexpr std::size_t longest_path = 1024, image_head = 12, largest_block = 65535;
-constexpr std::uint64_t small_entry = 1 << 20;  // below it, any ratio is fine
-constexpr std::uint16_t first_day = 0x21;       // 1980-01-01: no clock and no time zone in the bytes
-
-tl::unexpected<Error> refuse(Code code, std::string what, const std::string& path, std::string fix) {
-  return fail(code, std::move(what), path.empty() ? "the zip" : "the zip, " + path, std::move(fix));
-}
-tl::unexpected<Error> damaged(std::string what, const std::string& path = {}) {
-  return refuse(Code::corrupt_file, std::move(what), path, "pack it again");
-}
-
-tl::unexpected<Error> too_many_entries() {
-  return refuse(Code::too_large,
-                "the zip has more than " + std::to_string(model_zip_limits.entries) + " entries", {},
-                "pack the model alone");
-}
-
-std::string base_name(std::string_view path) { return lower(path.substr(path.rfind('/') + 1)); }
-std::string extension_of(std::string_view path) {
-  const std::size_t dot = path.find_last_of("./");
-  return dot == std::string_view::npos || path[dot] == '/' ? std::string() : lower(path.substr(dot + 1));
-}
+constexpr std::size_t image_head = 12, largest_block = 65535;
+constexpr std::uint16_t first_day = 0x21;  // 1980-01-01: no clock and no time zone in the bytes
 
 // What an image is that is not read, by its first bytes or by its name.
 std::string_view kind_of_image(std::string_view head, std::string_view extension) {
@@ -75,9 +55,9 @@ class NewZip {
       bytes.remove_prefix(n);
       if (block_.size() == largest_block) VACUFORM_CHECK(write_block(false));
     }
-    if (out_.bytes() - start_ <= model_zip_limits.bytes) return {};
-    return refuse(Code::too_large, "the zip unpacks to more than 1 GiB", entry.name,
-                  "reduce the scan (quadric decimation) to a few hundred thousand triangles");
+    if (out_.bytes() - start_ <= zip_limits.bytes) return {};
+    return refuse_zip(Code::too_large, "the zip unpacks to more than 1 GiB", entry.name,
+                      "reduce the scan (quadric decimation) to a few hundred thousand triangles");
   }
   Result<void> end() {
     VACUFORM_CHECK(write_block(true));
@@ -131,168 +111,24 @@ class NewZip {
   std::string block_;
 };
 
-// Shows a source to libzip.
-class Shown {
- public:
-  explicit Shown(const ByteSource& file, std::uint64_t size) : file_(file), size_(size) {
-    ::zip_error_init(&error_);
-  }
-  ~Shown() { ::zip_error_fini(&error_); }
-  Shown(const Shown&) = delete;
-  Shown& operator=(const Shown&) = delete;
-
-  static zip_int64_t call(void* self, void* data, zip_uint64_t length, zip_source_cmd_t command) {
-    return static_cast<Shown*>(self)->answer(data, length, command);
-  }
-  std::optional<Error> problem;  // of the source
-
- private:
-  zip_int64_t answer(void* data, zip_uint64_t length, zip_source_cmd_t command) {
-    switch (command) {
-      case ZIP_SOURCE_OPEN:
-        at_ = 0;
-        return 0;
-      case ZIP_SOURCE_READ: {
-        auto read = file_.read_at(at_, {static_cast<char*>(data), static_cast<std::size_t>(length)});
-        if (!read) {
-          problem = std::move(read.error());
-          return ::zip_error_set(&error_, ZIP_ER_READ, 0), -1;
-        }
-        at_ += *read;
-        return static_cast<zip_int64_t>(*read);
-      }
-      case ZIP_SOURCE_SEEK: {
-        const zip_int64_t to = ::zip_source_seek_compute_offset(at_, size_, data, length, &error_);
-        if (to < 0) return -1;
-        at_ = static_cast<std::uint64_t>(to);
-        return 0;
-      }
-      case ZIP_SOURCE_TELL:
-        return static_cast<zip_int64_t>(at_);
-      case ZIP_SOURCE_STAT: {
-        auto* const about = static_cast<zip_stat_t*>(data);
-        ::zip_stat_init(about);
-        about->size = size_;
-        about->valid |= ZIP_STAT_SIZE;
-        return sizeof *about;
-      }
-      case ZIP_SOURCE_ERROR:
-        return ::zip_error_to_data(&error_, data, length);
-      case ZIP_SOURCE_SUPPORTS:
-        return ::zip_source_make_command_bitmap(ZIP_SOURCE_OPEN, ZIP_SOURCE_READ, ZIP_SOURCE_CLOSE,
-                                                ZIP_SOURCE_STAT, ZIP_SOURCE_ERROR, ZIP_SOURCE_FREE,
-                                                ZIP_SOURCE_SEEK, ZIP_SOURCE_TELL, ZIP_SOURCE_SUPPORTS, -1);
-      case ZIP_SOURCE_CLOSE:
-      case ZIP_SOURCE_FREE:
-        return 0;
-      default:
-        return ::zip_error_set(&error_, ZIP_ER_OPNOTSUPP, 0), -1;
-    }
-  }
-
-  const ByteSource& file_;
-  const std::uint64_t size_;
-  std::uint64_t at_ = 0;
-  zip_error_t error_;
-};
-
-struct CloseZip {
-  void operator()(zip_t* archive) const { ::zip_discard(archive); }
-  void operator()(zip_file_t* file) const { ::zip_fclose(file); }
-};
-
-// libzip keeps the whole directory in memory, so the records that state its length are looked at before: they stand at the end
-// of the file, with a comment of 64 KiB at most behind them.
-Result<void> check_count(const ByteSource& file, std::uint64_t size) {
-  constexpr std::size_t record = 22,
-                        locator = 20;  // bytes; the second is of an archive of 64 bits, before the first
-  std::string tail(static_cast<std::size_t>(std::min<std::uint64_t>(size, 65'535 + record + locator)), '\0');
-  for (std::size_t had = 0; had < tail.size();) {
-    VACUFORM_TRY(n, file.read_at(size - tail.size() + had, {tail.data() + had, tail.size() - had}));
-    if (n == 0) return damaged("the zip ends within its data");
-    had += n;
-  }
-  for (std::size_t at = 0; (at = tail.find("PK\5\6", at)) != std::string::npos; ++at) {
-    if (at >= locator && tail.compare(at - locator, 4, "PK\6\7") == 0)
-      return refuse(Code::unsupported_format, "the zip is one of 64 bits", {}, "pack fewer or smaller files");
-    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(tail[at + i]); };
-    if (at + record <= tail.size() && (byte(10) | byte(11) << 8) > static_cast<int>(model_zip_limits.entries))
-      return too_many_entries();
-  }
-  return {};
-}
-
 class ModelZip {
  public:
-  ModelZip(zip_t* archive, Copy& out) : archive_(archive), zip_(out) {}
-
-  Result<void> copy() {
-    const auto entries = static_cast<zip_uint64_t>(::zip_get_num_entries(archive_, 0));
-    if (entries > model_zip_limits.entries) return too_many_entries();
-    for (zip_uint64_t i = 0; i < entries; ++i) VACUFORM_CHECK(entry(i));
-    VACUFORM_CHECK(check_whole());
-    return zip_.directory();
-  }
-
- private:
-  Result<void> entry(zip_uint64_t i) {
-    zip_stat_t about;
-    constexpr zip_uint64_t wanted = ZIP_STAT_NAME | ZIP_STAT_SIZE | ZIP_STAT_COMP_SIZE |
-                                    ZIP_STAT_COMP_METHOD | ZIP_STAT_ENCRYPTION_METHOD;
-    if (::zip_stat_index(archive_, i, ZIP_FL_ENC_RAW, &about) != 0 || (about.valid & wanted) != wanted)
-      return damaged("the zip does not list the names and sizes of its entries");
-    const std::string_view name = about.name;
-    if (name.empty() || name.size() > longest_path)
-      return damaged("an entry has no name, or one of more than 1024 bytes");
-    VACUFORM_TRY(path, plain_path(name, "the zip"));
-    path_ = std::move(path);
-    zip_uint8_t system = 0;
-    zip_uint32_t attributes = 0;
-    ::zip_file_get_external_attributes(archive_, i, 0, &system, &attributes);
-    if (system == ZIP_OPSYS_UNIX && (attributes >> 16 & 0170000) == 0120000)
-      return refuse(Code::corrupt_file, "the zip holds a link", path_, "pack the file itself");
-    if (about.encryption_method != ZIP_EM_NONE)
-      return refuse(Code::unsupported_format, "the zip is encrypted", path_, "pack it without a password");
-    if (about.comp_method != ZIP_CM_STORE && about.comp_method != ZIP_CM_DEFLATE)
-      return refuse(Code::unsupported_format,
-                    "the zip is packed by method " + std::to_string(about.comp_method), path_,
-                    "pack it with deflate, which every program can");
-    if (about.size > small_entry && about.size / model_zip_limits.ratio > about.comp_size)
-      return refuse(Code::too_large,
-                    "an entry of the zip unpacks to more than " + std::to_string(model_zip_limits.ratio) +
-                        " times its size",
-                    path_, "pack an ordinary file");
-    const std::unique_ptr<zip_file_t, CloseZip> file(::zip_fopen_index(archive_, i, 0));
-    if (!file) return damaged("an entry of the zip is damaged", path_);
-    std::uint64_t left = about.size;
-    Cursor in([&](std::span<char> into) -> Result<std::size_t> {
-      const zip_int64_t read = ::zip_fread(file.get(), into.data(), into.size());
-      if (read < 0 || static_cast<std::uint64_t>(read) > left || (read == 0 && left > 0))
-        return damaged("an entry has another size or checksum than the zip says", path_);
-      left -= static_cast<std::uint64_t>(read);
-      return static_cast<std::size_t>(read);
-    });
-    VACUFORM_CHECK(file_of(in));
-    VACUFORM_CHECK(in.skip(all_bytes));  // to the checksum
-    return {};
-  }
+  explicit ModelZip(Copy& out) : zip_(out) {}
 
   // Copies a file of the model; others are left out.
-  Result<void> file_of(Cursor& in) {
-    const std::string name = base_name(path_);
-    // Folders, and what macOS adds to an archive.
-    if (name.empty() || name.starts_with("._") || path_.starts_with("__MACOSX/")) return {};
-    const std::string extension = extension_of(name);
+  Result<void> take(const std::string& path, Cursor& in) {
+    path_ = path;
+    const std::string name = base_name(path_), extension = extension_of(name);
     if (extension == "obj" || extension == "ply") {
       if (models_++ > 0)
-        return refuse(Code::unusable_scan, "the zip holds more than one model", path_,
-                      "pack one OBJ or one PLY");
+        return refuse_zip(Code::unusable_scan, "the zip holds more than one model", path_,
+                          "pack one OBJ or one PLY");
       return extension == "obj" ? lines(ModelLines::Kind::obj, "model.obj", in) : points(in);
     }
     if (extension == "mtl") {
       if (libraries_++ > 0)
-        return refuse(Code::unusable_scan, "the zip holds more than one MTL", path_,
-                      "pack the one of the model");
+        return refuse_zip(Code::unusable_scan, "the zip holds more than one MTL", path_,
+                          "pack the one of the model");
       return lines(ModelLines::Kind::mtl, "model.mtl", in);
     }
     if (extension == "png" || extension == "jpg" || extension == "jpeg" ||
@@ -302,14 +138,21 @@ class ModelZip {
     return {};
   }
 
+  // Errors: unusable_scan, unsupported_format (what the model needs is missing).
+  Result<void> end() {
+    VACUFORM_CHECK(check_whole());
+    return zip_.directory();
+  }
+
+ private:
   Result<void> lines(ModelLines::Kind kind, const char* name, Cursor& in) {
     ModelLines model(kind, names_);
     VACUFORM_CHECK(zip_.begin(name));
     for (;;) {
-      auto line = in.line(model_zip_limits.line);
+      auto line = in.line(zip_limits.line);
       if (!line && line.error().code == Code::too_large)
-        return refuse(Code::corrupt_file, "a line of the model is longer than a mebibyte", path_,
-                      "export the model again");
+        return refuse_zip(Code::corrupt_file, "a line of the model is longer than a mebibyte", path_,
+                          "export the model again");
       if (!line) return tl::make_unexpected(std::move(line.error()));
       if (line->empty()) return zip_.end();
       std::string text;
@@ -337,8 +180,8 @@ class ModelZip {
       return {};
     }
     if (!there_.emplace(name).second)
-      return refuse(Code::corrupt_file, "the zip holds two images of the same name", path_,
-                    "give them other names");
+      return refuse_zip(Code::corrupt_file, "the zip holds two images of the same name", path_,
+                        "give them other names");
     const bool is_png = begins_png(head);
     VACUFORM_CHECK(zip_.begin("texture-" + std::to_string(names_.texture_there(name))));
     Copy out([&](std::string_view bytes) { return zip_.write(bytes); });
@@ -356,32 +199,31 @@ class ModelZip {
       if (list.size() < 100) list.append(list.empty() ? "" : ", ").append(name.substr(0, 100));
     }
     if (used.empty() || defined.empty()) return {};
-    return refuse(Code::unusable_scan,
-                  "the MTL defines none of the materials that the model uses: it defines " + defined +
-                      ", and the model uses " + used,
-                  {}, "pack the MTL that belongs to the model, or name its materials alike");
+    return refuse_zip(Code::unusable_scan,
+                      "the MTL defines none of the materials that the model uses: it defines " + defined +
+                          ", and the model uses " + used,
+                      {}, "pack the MTL that belongs to the model, or name its materials alike");
   }
 
   Result<void> check_whole() const {
     if (models_ == 0)
-      return refuse(Code::unusable_scan, "the zip holds no model", {},
-                    "pack one OBJ or one PLY with its images");
+      return refuse_zip(Code::unusable_scan, "the zip holds no model and no drawings", {},
+                        "pack one OBJ or one PLY with its images, or an SVG for each layer of a print");
     VACUFORM_CHECK(check_materials());
     for (const auto& [name, texture] : names_.textures()) {
       if (texture.path.empty() || there_.contains(name)) continue;
       const auto other = other_.find(name);
       if (other != other_.end())
-        return refuse(Code::unsupported_format,
-                      "the texture " + texture.path + " is " + std::string(other->second), {},
-                      "export the model with PNG or JPEG textures");
-      return refuse(Code::unusable_scan,
-                    "the zip lacks the image " + texture.path + ", which the model names", {},
-                    "pack it with the model");
+        return refuse_zip(Code::unsupported_format,
+                          "the texture " + texture.path + " is " + std::string(other->second), {},
+                          "export the model with PNG or JPEG textures");
+      return refuse_zip(Code::unusable_scan,
+                        "the zip lacks the image " + texture.path + ", which the model names", {},
+                        "pack it with the model");
     }
     return {};
   }
 
-  zip_t* const archive_;
   NewZip zip_;
   ModelNames names_;
   std::string path_;  // of the entry
@@ -390,27 +232,71 @@ class ModelZip {
   std::map<std::string, std::string_view> other_;  // what is left out, and what it is as an image
 };
 
+// Drawings of one page, each of a layer of the print that its name ends with.
+class DrawingsZip {
+ public:
+  Result<void> take(const std::string& path, Cursor& in) {
+    const std::string name = base_name(path), extension = extension_of(name);
+    const std::string layer = layer_at_end(name.substr(0, name.size() - extension.size()));
+    if (!one_of(extension, drawing_extensions)) {
+      if (layer.empty()) return {};
+      return refuse_zip(Code::unsupported_format, "a layer of the print is no SVG", path,
+                        "save each layer as SVG");
+    }
+    if (layer.empty())
+      return refuse_zip(Code::unusable_pattern, "the name of the drawing says no layer of the print", path,
+                        "name each file after what it prints: conductor.svg, dielectric.svg, bridges.svg");
+    std::string text;
+    for (;;) {
+      VACUFORM_TRY(some, in.some());
+      if (some.empty()) break;
+      text += some;
+      in.drop(some.size());
+      if (text.size() + bytes_ > most_svg)
+        return refuse_zip(Code::too_large,
+                          "the drawings have more than " + std::to_string(most_svg >> 20) + " MiB", path,
+                          "simplify the drawings");
+    }
+    if (text.starts_with(gzip_mark)) {
+      VACUFORM_TRY(content, gunzip(MemorySource(text), most_svg - bytes_));
+      text = std::move(content);
+    }
+    bytes_ += text.size();
+    drawings_.push_back({layer, path, std::move(text)});
+    return {};
+  }
+  Result<void> end(Copy& out) { return svg_of_layers(drawings_, out); }
+
+  static constexpr std::string_view drawing_extensions[] = {"svg", "svgz"};
+
+ private:
+  // The longest end of the name, in whole words, that names a layer: programs put the name of the project before it.
+  static std::string layer_at_end(std::string_view name) {
+    const auto letter = [](char c) { return (lower(c) >= 'a' && lower(c) <= 'z') || (c & 0x80) != 0; };
+    for (std::size_t at = 0; at < name.size(); ++at)
+      if (letter(name[at]) && (at == 0 || !letter(name[at - 1])))
+        if (drawn_layer(name.substr(at))) return std::string(trimmed(name.substr(at), " ."));
+    return {};
+  }
+
+  std::uint64_t bytes_ = 0;
+  std::vector<LayerFile> drawings_;
+};
+
 }  // namespace
 
 Result<void> zip(const ByteSource& file, Copy& out) {
-  VACUFORM_TRY(size, file.size());
-  VACUFORM_CHECK(check_count(file, size));
-  Shown shown(file, size);
-  zip_error_t error;
-  ::zip_error_init(&error);
-  zip_source_t* const source = ::zip_source_function_create(Shown::call, &shown, &error);
-  const std::unique_ptr<zip_t, CloseZip> archive(
-      source ? ::zip_open_from_source(source, ZIP_RDONLY | ZIP_CHECKCONS, &error) : nullptr);
-  const std::string why = ::zip_error_strerror(&error);
-  ::zip_error_fini(&error);
-  if (!archive) {
-    if (source) ::zip_source_free(source);
-    if (shown.problem) return tl::make_unexpected(*std::move(shown.problem));
-    return damaged("the zip cannot be opened: " + why);
+  VACUFORM_TRY(entries, ZipEntries::open(file));
+  constexpr std::string_view models[] = {"obj", "ply"};
+  if (!entries.holds(models) && entries.holds(DrawingsZip::drawing_extensions)) {
+    DrawingsZip drawings;
+    VACUFORM_CHECK(
+        entries.each([&](const std::string& path, Cursor& in) { return drawings.take(path, in); }));
+    return drawings.end(out);
   }
-  auto copied = ModelZip(archive.get(), out).copy();
-  if (!copied && shown.problem) return tl::make_unexpected(*std::move(shown.problem));
-  return copied;
+  ModelZip model(out);
+  VACUFORM_CHECK(entries.each([&](const std::string& path, Cursor& in) { return model.take(path, in); }));
+  return model.end();
 }
 
 }  // namespace vacuform::redaction

@@ -4,6 +4,7 @@ import math
 import re
 import unittest
 import xml.etree.ElementTree as ElementTree
+import zipfile
 
 import ezdxf
 from shapely.geometry import LinearRing, LineString, Polygon
@@ -108,8 +109,11 @@ def dxf(layers):
 
 class OwnLayers(Case):
     def run_drawing(self, name, text, *settings, refused=False):
-        pattern, out = self.folder / name, self.folder / f"out-{name}"
-        pattern.write_text(text)
+        (self.folder / name).write_text(text)
+        return self.run_pattern(self.folder / name, *settings, refused=refused)
+
+    def run_pattern(self, pattern, *settings, refused=False):
+        out = self.folder / f"out-{pattern.name}"
         words = [w for s in settings for w in ("--set", s)]
         done = vacuform("run", "--scan", made_scans.adult(), "--pattern", pattern, *FAST, "--cache", self.folder / "cache",
                         "--out", out, *words)
@@ -147,6 +151,23 @@ class OwnLayers(Case):
     def test_groups_by_their_ids_are_steps(self):
         out, report = self.run_drawing("ids.svg", with_bridges(("print", "print-dielectric", "print-bridges"), "id"))
         self.check_two_loops(out, report)
+
+    def zipped(self, name, files):
+        path = self.folder / name
+        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+            for file, text in files.items():
+                archive.writestr(file, text)
+        return path
+
+    def test_files_of_a_zip_are_steps(self):
+        one = self.run_drawing("one-file.svg", with_bridges())[0]
+        files = {"Smith-Bridges.svg": svg(lines(BRIDGES, "#c00")), "Smith-dielectric.svg": svg(lines(PATCHES)),
+                 "Smith-conductor.svg": svg(lines(CONDUCTOR) + path(RING[:-1], WIDTH, True)), "notes.txt": "Smith"}
+        several, report = self.run_pattern(self.zipped("layers.zip", files))
+        self.check_two_loops(several, report)
+        for name in "print.svg", "print-dielectric.svg", "print-bridges.svg":
+            self.assertEqual(painted(one / name)[0].symmetric_difference(painted(several / name)[0]).area, 0, name)
+        self.assertIn("head-coils.svg", self.run_pattern(self.zipped("unnamed.zip", {**files, "head-coils.svg": svg()}), refused=True))
 
     def test_gaps_are_made_beside_the_bridges(self):
         out, report = self.run_drawing("gaps.svg", with_bridges(("01 Silver", "02 Insulator", "03 Second silver_2_")), "coils.gaps=3")
@@ -354,10 +375,13 @@ class OwnLayers(Case):
         text = with_bridges(("Conductor", "dielectric", "Bridges"),
                             more=group("Array for Mary Smith", "") + group("Solder mask", ring(B, WIDTH + 2)) + group("Artwork", square(30, 30, 4, "#c00")))
         for name, drawing in (("service.svg", text), ("service.dxf", dxf([("BRIDGES", BRIDGES), ("DIELECTRIC", PATCHES),
-                                                                          ("CONDUCTOR", CONDUCTOR + [(RING, WIDTH)])]))):
+                                                                          ("CONDUCTOR", CONDUCTOR + [(RING, WIDTH)])])),
+                              ("service.zip", self.zipped("layers.zip", {
+                                  "Smith-F_Cu.svg": svg(lines(CONDUCTOR) + path(RING[:-1], WIDTH, True)), "by Smith.txt": "Smith",
+                                  "Smith-dielectric.svg": svg(lines(PATCHES)), "Smith bridges.svg": svg(lines(BRIDGES))}).read_bytes())):
             with self.subTest(name=name):
                 pattern = self.folder / name
-                pattern.write_text(drawing)
+                pattern.write_bytes(drawing if isinstance(drawing, bytes) else drawing.encode())
                 job = server.submit(made_scans.adult(), pattern, {"sheet": {"resolution_mm": 4}, "print": {"dpi": 72}})
                 self.assertEqual(server.wait(job)["state"], "succeeded")
                 report = curl(f"{server.api}/jobs/{job}/artifacts/report.json").json

@@ -17,7 +17,7 @@ export interface SentFile {
 }
 
 export interface Pattern extends SentFile {
-  kind: 'svg' | 'picture';
+  kind: 'svg' | 'picture' | 'other';  // other: only the service reads it
   width: number | null;   // mm, as the file says
   height: number | null;
   aspect: number | null;

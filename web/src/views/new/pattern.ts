@@ -15,7 +15,7 @@ import {draftFields} from './fields';
 import {transferLine} from './transfer';
 import {cancelLayout, draft, keptFile, layout, makeLayout, onSideJob, removePattern, setSetting, takePattern} from './work';
 
-export const patternTypes = ['.svg', '.svgz', '.dxf', '.png', '.jpg', '.jpeg'] as const;
+export const patternTypes = ['.svg', '.svgz', '.dxf', '.png', '.jpg', '.jpeg', '.zip'] as const;
 const placed = ['pattern.inked_face', 'pattern.width_mm', 'pattern.dpi', 'pattern.line_mm', 'pattern.rotate_deg', 'pattern.scale', 'pattern.offset_mm'];
 const built = ['coils.build', 'coils.gaps'];
 const arranged = ['layout.count', 'layout.diameter_mm', 'layout.region', 'layout.overlap'];
@@ -35,6 +35,7 @@ export async function loadDrawing(pattern: Pattern, image: HTMLImageElement): Pr
   return image.naturalWidth > 0;
 }
 function picture(pattern: Pattern, alt: string): Children {
+  if (pattern.kind === 'other') return el('p', {class: 'quiet'}, t('new.drawing_unseen'));
   if (!keptFile(pattern.mark)) return el('p', {class: 'quiet'}, t('new.no_picture'));
   const image = el('img', {alt, class: 'flat', width: 480, height: Math.round(480 / (pattern.aspect ?? 1))});
   void loadDrawing(pattern, image);
@@ -67,7 +68,7 @@ function chosen(now: DraftState): Children {
       el('p', null, el('strong', {class: 'file-name'}, pattern.layout ? t('new.pattern_made') : pattern.name), ' ',
         el('span', {class: 'quiet'}, bytes(pattern.bytes))),
       size ? el('p', {class: 'big-figure'}, words)
-           : el('p', {class: 'notice'}, icon('warning'), t('new.no_size')),
+           : pattern.kind !== 'other' && el('p', {class: 'notice'}, icon('warning'), t('new.no_size')),
       size && el('p', {class: 'quiet small', id: 'size-from'}, sizeFrom(pattern, now)),
       el('p', {class: 'quiet small'}, t('new.size_hint')),
       el('p', null, el('button', {type: 'button', id: 'pattern-remove', class: 'plain', onclick: removePattern}, icon('delete'), t('new.remove_pattern')))));

@@ -162,16 +162,16 @@ export function keptFile(mark: string): Blob | null {
 export async function takePattern(file: Blob, name: string, layout = '', offHead = 0): Promise<void> {
   const mark = await markOf(file);
   const bytes = await file.arrayBuffer();
-  const svg = extensionOf(name) === 'svg';
-  const size = svg ? svgSize(new TextDecoder().decode(bytes)) : pictureSize(bytes);
-  keepFile(mark, bytes, svg ? 'image/svg+xml' : extensionOf(name) === 'png' ? 'image/png' : 'image/jpeg');
+  const extension = extensionOf(name), kind = extension === 'svg' ? 'svg' : ['dxf', 'svgz', 'zip'].includes(extension) ? 'other' : 'picture';
+  const size = kind === 'svg' ? svgSize(new TextDecoder().decode(bytes)) : pictureSize(bytes);
+  keepFile(mark, bytes, kind === 'svg' ? 'image/svg+xml' : kind === 'other' ? 'application/octet-stream' : extension === 'png' ? 'image/png' : 'image/jpeg');
   const former = draft().form.pattern;
   if (former?.mark === mark && (former.whole || uploads.pattern)) return;
   const resumed = former?.mark === mark ? former.upload || null : null;
   uploads.pattern?.pause();
   uploads.pattern = null;
   const pattern: Pattern = {
-    upload: resumed ?? '', whole: false, name, bytes: file.size, mark, kind: svg ? 'svg' : 'picture', ...size, layout, offHead};
+    upload: resumed ?? '', whole: false, name, bytes: file.size, mark, kind, ...size, layout, offHead};
   edit({pattern});
   resume('pattern');
 }
