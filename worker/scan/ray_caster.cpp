@@ -18,20 +18,27 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Where a ray meets a triangle of the scene. Embree divides by approximate reciprocals, which differ between processors.
-RayCaster::Hit exact_hit(const EmbreeScene& scene, int triangle, const Vector3d& origin,
+// The point of the triangle where the ray meets it. Embree divides by approximate reciprocals, which differ between processors, so
+// its own figures count only for a triangle that is seen exactly edge-on. The point never leaves the triangle: one that is seen
+// almost edge-on has no other bound for its distance.
+RayCaster::Hit exact_hit(const EmbreeScene& scene, const RayCaster::Hit& found, const Vector3d& origin,
                          const Vector3d& direction) {
   const auto corner = [&](int k) {
-    return Eigen::Map<const Eigen::Vector3f>(scene.points + 3 * scene.corners[3 * triangle + k])
+    return Eigen::Map<const Eigen::Vector3f>(scene.points + 3 * scene.corners[3 * found.triangle + k])
         .cast<double>()
         .eval();
   };
   const Vector3d a = corner(0), ab = corner(1) - a, ac = corner(2) - a, normal = ab.cross(ac);
-  const double along = normal.dot(direction);
-  const double t = std::clamp(normal.dot(a - origin) / along, 0.0, 1.0);
-  const Vector3d at = origin + t * direction - a;
-  return {t, triangle, at.cross(ac).dot(normal) / normal.squaredNorm(),
-          ab.cross(at).dot(normal) / normal.squaredNorm()};
+  double u = found.u, v = found.v;
+  if (const double along = normal.dot(direction); along != 0) {
+    const Vector3d at = direction * (normal.dot(a - origin) / along) - (a - origin);
+    u = at.cross(ac).dot(normal) / normal.squaredNorm();
+    v = ab.cross(at).dot(normal) / normal.squaredNorm();
+  }
+  u = std::clamp(u, 0.0, 1.0);
+  v = std::clamp(v, 0.0, 1 - u);
+  const double t = (a + u * ab + v * ac - origin).dot(direction) / direction.squaredNorm();
+  return {std::clamp(t, 0.0, 1.0), found.triangle, u, v};
 }
 
 }  // namespace
@@ -55,7 +62,8 @@ std::optional<RayCaster::Hit> RayCaster::first_hit(const Eigen::Vector3d& origin
   rtcIntersect1(scene_->scene, &context, &query);
 #endif
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  return exact_hit(*scene_, static_cast<int>(query.hit.primID), o.cast<double>(), d.cast<double>());
+  return exact_hit(*scene_, {query.ray.tfar, static_cast<int>(query.hit.primID), query.hit.u, query.hit.v},
+                   o.cast<double>(), d.cast<double>());
 }
 
 bool lies_below(const TriangleMesh& mesh, const RayCaster& rays, const Eigen::Vector3d& point,
