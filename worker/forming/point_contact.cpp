@@ -50,6 +50,7 @@ PointContact::PointContact(const Process& process)
       taken_(process.grid.rest.size(), 0),
       start_(process.grid.rest.size() + 1, 0),
       tolerance_mm_(tolerance(process)),
+      apart_mm_(0.5 * process.sheet.resolution_mm),
       seen_mm_(0.35 * process.sheet.resolution_mm),
       least_area_(0.05 * process.sheet.resolution_mm * process.sheet.resolution_mm) {
   const auto& triangles = process.grid.triangles;
@@ -117,6 +118,13 @@ int PointContact::vertex_for(const Process& process, const SheetState& state, co
   return -1;
 }
 
+bool PointContact::is_crowded(const Process& process, const Points& y, int vertex, int point) const {
+  for (int k = start_[vertex]; k < start_[vertex + 1]; ++k)
+    for (const int w : process.grid.triangles[triangle_[k]])
+      if (w != vertex && taken_[w] && (points_.place(point) - y.col(w)).norm() < apart_mm_) return true;
+  return false;
+}
+
 std::vector<int> PointContact::follow(const Process& process, SheetState& state, Points& y, double from_time,
                                       double to_time) {
   const auto& triangles = process.grid.triangles;
@@ -166,27 +174,29 @@ std::vector<int> PointContact::follow(const Process& process, SheetState& state,
       return std::tie(near_b, a.time, a.point, a.triangle) < std::tie(near_a, b.time, b.point, b.triangle);
     });
     std::vector<int> dirty;
-    for (const Crossing& c : crossings) {
-      if (caught_[c.point] || std::find(dirty.begin(), dirty.end(), c.triangle) != dirty.end()) continue;
-      const int v = vertex_for(process, state, y, c);
-      if (v < 0) continue;
-      const Triangle& t = triangles[c.triangle];
-      Eigen::Vector2d rest = Eigen::Vector2d::Zero();
-      Eigen::Vector3d from = Eigen::Vector3d::Zero();
-      for (int corner = 0; corner < 3; ++corner) {
-        rest += c.weights[corner] * state.rest[t[corner]];
-        from += c.weights[corner] * state.x.col(t[corner]);
+    // Of two vertices close together on an edge, neither reaches the far end of its triangles. Crowded ones come last.
+    for (const bool crowded : {false, true})
+      for (const Crossing& c : crossings) {
+        if (caught_[c.point] || std::find(dirty.begin(), dirty.end(), c.triangle) != dirty.end()) continue;
+        const int v = vertex_for(process, state, y, c);
+        if (v < 0 || is_crowded(process, y, v, c.point) != crowded) continue;
+        const Triangle& t = triangles[c.triangle];
+        Eigen::Vector2d rest = Eigen::Vector2d::Zero();
+        Eigen::Vector3d from = Eigen::Vector3d::Zero();
+        for (int corner = 0; corner < 3; ++corner) {
+          rest += c.weights[corner] * state.rest[t[corner]];
+          from += c.weights[corner] * state.x.col(t[corner]);
+        }
+        state.rest[v] = rest;
+        state.x.col(v) = from;
+        y.col(v) = points_.place(c.point);
+        state.held[v] = 1;
+        state.folded[v] = 0;
+        state.contact[v] = Contact::mold;
+        if (!(state.time[v] >= 0)) state.time[v] = from_time + c.time * (to_time - from_time);
+        caught_[c.point] = taken_[v] = 1;
+        dirty.insert(dirty.end(), triangle_.begin() + start_[v], triangle_.begin() + start_[v + 1]);
       }
-      state.rest[v] = rest;
-      state.x.col(v) = from;
-      y.col(v) = points_.place(c.point);
-      state.held[v] = 1;
-      state.folded[v] = 0;
-      state.contact[v] = Contact::mold;
-      if (!(state.time[v] >= 0)) state.time[v] = from_time + c.time * (to_time - from_time);
-      caught_[c.point] = taken_[v] = 1;
-      dirty.insert(dirty.end(), triangle_.begin() + start_[v], triangle_.begin() + start_[v + 1]);
-    }
     std::sort(dirty.begin(), dirty.end());
     dirty.erase(std::unique(dirty.begin(), dirty.end()), dirty.end());
     changed.insert(changed.end(), dirty.begin(), dirty.end());

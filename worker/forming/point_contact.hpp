@@ -32,11 +32,15 @@ class PointContact {
   int vertex_for(const Process& process, const SheetState& state, const Points& y,
                  const Crossing& crossing) const;
 
+  // Whether a neighbour of the vertex was taken by a place close to the point.
+  bool is_crowded(const Process& process, const Points& y, int vertex, int point) const;
+
   MoldPoints points_;
   std::vector<char> caught_;           // of the points
   std::vector<char> taken_;            // of the vertices
   std::vector<int> start_, triangle_;  // around each vertex
   double tolerance_mm_;                // a point that stands less above the sheet is not through it
+  double apart_mm_;                    // vertices that are held nearer to each other are crowded
   double seen_mm_;                     // one that stands more above it already is on its other side
   double least_area_;                  // of a triangle on the flat sheet
 };

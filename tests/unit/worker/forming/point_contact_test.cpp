@@ -30,26 +30,31 @@ void add_box(TriangleMesh& mesh, const Eigen::Vector3d& low, const Eigen::Vector
     mesh.triangles.push_back({n + t[0], n + t[1], n + t[2]});
 }
 
-// A block of 60 x 60 x 20 mm, with a fin along y at x = 11 that is 0.8 mm thick and stands 30 mm above it; watertight.
+// A block of 60 x 60 x 20 mm with a fin on it, at x = 11 along y from -20 to 20, that is 0.8 mm thick and stands 30 mm above
+// the block; watertight.
 Mold block_with_fin() {
   Mold mold;
   auto& m = mold.mesh;
-  const std::vector<Eigen::Vector2d> profile{{-30, 0},   {10.6, 0},  {11.4, 0},  {30, 0},    {30, 20},
-                                             {11.4, 20}, {11.4, 50}, {10.6, 50}, {10.6, 20}, {-30, 20}};
-  const int n = static_cast<int>(profile.size());
-  for (const double y : {-30.0, 30.0})
-    for (const auto& p : profile) m.vertices.emplace_back(p.x(), y, p.y());
-  for (int i = 0; i < n; ++i) {
-    const int j = (i + 1) % n;
-    m.triangles.push_back({i, n + i, j});
-    m.triangles.push_back({j, n + i, n + j});
-  }
-  for (const auto& q : {std::array{0, 1, 8, 9}, {1, 2, 5, 8}, {8, 5, 6, 7}, {2, 3, 4, 5}}) {
-    m.triangles.push_back({q[0], q[1], q[2]});
-    m.triangles.push_back({q[0], q[2], q[3]});
-    m.triangles.push_back({n + q[0], n + q[2], n + q[1]});
-    m.triangles.push_back({n + q[0], n + q[3], n + q[2]});
-  }
+  const auto ring = [&](double west, double east, double half, double z) {
+    for (const Eigen::Vector3d& p : {Eigen::Vector3d(west, -half, z), Eigen::Vector3d(east, -half, z),
+                                     Eigen::Vector3d(east, half, z), Eigen::Vector3d(west, half, z)})
+      m.vertices.push_back(p);
+  };
+  ring(-30, 30, 30, 0);
+  ring(-30, 30, 30, 20);
+  ring(10.6, 11.4, 20, 20);
+  ring(10.6, 11.4, 20, 50);
+  for (int upper = 4; upper < 16;
+       upper += 4)  // the walls, the top of the block around the fin, the walls of the fin
+    for (int k = 0; k < 4; ++k) {
+      const int next = (k + 1) % 4, lower = upper - 4;
+      m.triangles.push_back({lower + k, lower + next, upper + next});
+      m.triangles.push_back({lower + k, upper + next, upper + k});
+    }
+  m.triangles.push_back({12, 13, 14});
+  m.triangles.push_back({12, 14, 15});
+  m.triangles.push_back({0, 2, 1});
+  m.triangles.push_back({0, 3, 2});
   mold.top = {11, 0, 50};
   return mold;
 }
@@ -84,16 +89,15 @@ TEST(MoldPoints, AreTheSharpEdgesOfABoxAndNotItsFaces) {
 }
 
 TEST(PointContact, AFinThinnerThanTheGridHoldsTheSheetUp) {
-  FormingSettings forming;
-  forming.law = MembraneLaw::neo_hookean;  // the film of a stiffer law folds at the foot of the fin
   for (const double resolution : {3.0, 2.0}) {
     const auto formed =
-        form(block_with_fin(), sheet_of(resolution), machine(), forming, TemperatureField(140), Context{});
+        form(block_with_fin(), sheet_of(resolution), machine(), {}, TemperatureField(140), Context{});
     ASSERT_TRUE(formed) << formed.error().text();
     double top = 0;
     for (const auto& p : formed->formed) top = std::max(top, p.z());
     EXPECT_NEAR(top, 50, 0.05) << resolution;
-    EXPECT_LT(formed->fit.penetration.max, 0.5) << formed->fit.penetration.place.transpose();
+    EXPECT_LT(formed->fit.penetration.max, 0.5)
+        << formed->fit.penetration.place.transpose() << " at " << resolution;
     EXPECT_LT(formed->fit.penetration.p99, 0.05);
     EXPECT_LT(formed->summary.mass_error, 1e-9);
     EXPECT_FALSE(warns(*formed, "pierced"));
