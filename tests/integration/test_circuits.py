@@ -25,7 +25,7 @@ FAST = ["--set", "sheet.resolution_mm=4", "--set", "print.dpi=72", "--set", "coi
 CLEARANCE = 0.5
 
 
-def areas(path, chords=8):
+def areas(path, chords=32):
     """The painted polygons of a layer, by the id of their element, in sheet coordinates before any mirroring."""
     out = collections.defaultdict(list)
     if not path.exists():

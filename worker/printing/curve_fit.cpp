@@ -109,9 +109,10 @@ class Fitter {
       l0 = (x0 * c11 - x1 * c01) / determinant;
       l1 = (c00 * x1 - c01 * x0) / determinant;
     }
-    // If handles point backwards or reach too far, a third of the length is used instead.
-    const double least = 1e-6 * length, most = 3 * (along_[last] - along_[first]);
-    if (!(l0 > least && l1 > least && l0 < most && l1 < most)) l0 = l1 = (along_[last] - along_[first]) / 3;
+    // Handles that point backwards, or that pass each other, fold the curve between two points: a third of the length is used
+    // instead.
+    const double least = 1e-6 * length, along = along_[last] - along_[first];
+    if (!(l0 > least && l1 > least && l0 + l1 < along)) l0 = l1 = along / 3;
     return {p, p + l0 * start, q + l1 * end, q};
   }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numeric>
+#include <random>
 
 #include "worker/pattern/area.hpp"
 #include "worker/pattern/curve.hpp"
@@ -417,6 +418,31 @@ TEST(Area, StrokesCoverWhatSvgSays) {
   s.dashes_mm = {M_PI, M_PI};
   s.dash_offset_mm = 1;
   EXPECT_EQ(stroke_area({circle({0, 0}, 10)}, s, 0.001).size(), 10u);  // the dash over the start is one piece
+}
+
+// Points on a straight way, unevenly far apart and not quite on it: the curve never turns back between them.
+TEST(CurveFit, DoesNotFoldBetweenPoints) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> part(0, 1);
+  for (int round = 0; round < 3000; ++round) {
+    std::vector<FitPoint> points;
+    double x = 0;
+    const int count = 3 + round % 9;
+    for (int i = 0; i < count; ++i) {
+      points.push_back({{x, 0.008 * part(random)}, false});
+      x += part(random) < 0.4 ? 0.05 : 0.1 + part(random);
+    }
+    const Curve curve = fit_curve(points, false, 0.01);
+    double farthest = 0;
+    for (std::size_t k = 0; k + 3 < curve.points.size(); k += 3)
+      for (int step = 0; step <= 50; ++step) {
+        const double t = step / 50.0, s = 1 - t;
+        const double at = s * s * s * curve.points[k].x() + 3 * s * s * t * curve.points[k + 1].x() +
+                          3 * s * t * t * curve.points[k + 2].x() + t * t * t * curve.points[k + 3].x();
+        ASSERT_GE(at, farthest - 1e-3) << "round " << round;
+        farthest = std::max(farthest, at);
+      }
+  }
 }
 
 TEST(CurveFit, FollowsACircleWithFewSegments) {
