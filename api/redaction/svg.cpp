@@ -361,10 +361,11 @@ class Walk {
   std::optional<Error> problem_;
 };
 
-// What <use> draws, and the classes that style sheets hide: both count for elements before them. And the ids and classes.
+// What <use> draws, and the classes that style sheets hide: both count for elements before them. And the ids and classes, and
+// the rules of style sheets for elements of any class, without blanks.
 class Looks : public Walk {
  public:
-  Names used, hidden_classes, names;
+  Names used, hidden_classes, names, general_rules;
 
  private:
   Result<void> start(std::string_view element, const Attributes& attributes) override {
@@ -388,7 +389,8 @@ class Looks : public Walk {
     for (std::string_view rest = sheet; !rest.empty();) {
       const std::size_t open = std::min(rest.find('{'), rest.size()),
                         close = std::min(rest.find('}'), rest.size());
-      with_names(rest.substr(0, open), note_);
+      if (!with_names(rest.substr(0, open), note_) && rest.substr(0, open).find_first_of(".#@") == rest.npos)
+        general_rules.insert(without_blanks(rest.substr(0, close)));
       if (open < close && hides(rest.substr(open + 1, close - open - 1)))
         hide(without_blanks(rest.substr(0, open)));
       rest.remove_prefix(std::min(close + 1, rest.size()));
@@ -413,6 +415,7 @@ struct Part {
   std::string_view layer;  // empty: it is the whole
   bool first = true, last = true;
   OwnNames own = {};
+  const Names* shared_rules = nullptr;  // general rules of all parts
 };
 
 class Writer : public Walk {
@@ -526,20 +529,22 @@ class Writer : public Walk {
     return absolute && box ? out : out + (program_.empty() ? "" : ", by " + program_);
   }
   std::string addresses(std::string_view text) const { return without_addresses(text, part_.own); }
-  // A style sheet counts in the whole file. Beside other drawings, each of its selectors must name a class or an id.
+  // A style sheet counts in the whole file. Beside other drawings, each of its selectors must name a class or an id, or all of
+  // them have that rule.
   Result<std::string> own_sheet(std::string_view sheet) const {
     if (part_.layer.empty()) return addresses(sheet);
     std::string out;
     while (!trimmed(sheet).empty()) {
       const std::size_t open = std::min(sheet.find('{'), sheet.size()),
                         close = std::min(sheet.find('}', open), sheet.size());
-      const auto selectors = with_names(sheet.substr(0, open), part_.own);
+      auto selectors = with_names(sheet.substr(0, open), part_.own);
+      if (!selectors && part_.shared_rules->contains(without_blanks(sheet.substr(0, close))))
+        selectors = sheet.substr(0, open);
       if (!selectors || trimmed(sheet).starts_with('@'))
-        return fail(Code::unusable_pattern,
-                    "the style sheet of this drawing would style the other drawings, too", {},
-                    "save it with the styles in the shapes (Inkscape: plain SVG; Illustrator: presentation "
-                    "attributes), or "
-                    "draw all layers in one file");
+        return fail(
+            Code::unusable_pattern, "the style sheet of this drawing would style the other drawings, too", {},
+            "save it with its styles in the shapes (Illustrator: presentation attributes), or draw all "
+            "layers in one file");
       out += *selectors + addresses(sheet.substr(open, close - open)) + (close < sheet.size() ? "}" : "");
       sheet.remove_prefix(std::min(close + 1, sheet.size()));
     }
@@ -599,27 +604,34 @@ Result<void> svg(const ByteSource& file, Copy& out) {
 }
 
 Result<void> svg_of_layers(std::span<const LayerFile> files, Copy& out) {
-  Names taken;
+  Names taken, shared;
   std::string page;
+  std::vector<std::unique_ptr<Looks>> looks;
+  const auto at_file = [](const LayerFile& file, Error error) {
+    if (error.where.empty()) error.where = "the zip, " + file.path;
+    return tl::make_unexpected(std::move(error));
+  };
   for (const LayerFile& file : files) {
-    const auto at_file = [&](Error error) {
-      if (error.where.empty()) error.where = "the zip, " + file.path;
-      return tl::make_unexpected(std::move(error));
-    };
-    const MemorySource source(file.text);
-    Looks looks;
-    if (auto read = looks.read(source); !read) return at_file(std::move(read.error()));
-    const bool first = &file == &files.front();
-    const Part part{file.layer, first, &file == &files.back(), OwnNames(looks.names, taken)};
-    Writer writer(looks, part, out);
-    if (auto written = writer.read(source); !written) return at_file(std::move(written.error()));
-    if (first) page = writer.page();
+    looks.push_back(std::make_unique<Looks>());
+    if (auto read = looks.back()->read(MemorySource(file.text)); !read)
+      return at_file(file, std::move(read.error()));
+    const Names& rules = looks.back()->general_rules;
+    if (looks.size() == 1) shared = rules;
+    std::erase_if(shared, [&](const std::string& rule) { return !rules.contains(rule); });
+  }
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const LayerFile& file = files[i];
+    const Part part{file.layer, i == 0, i + 1 == files.size(), OwnNames(looks[i]->names, taken), &shared};
+    Writer writer(*looks[i], part, out);
+    if (auto written = writer.read(MemorySource(file.text)); !written)
+      return at_file(file, std::move(written.error()));
+    if (i == 0) page = writer.page();
     if (writer.page() != page)
       return fail(Code::unusable_pattern,
                   "the drawings of the zip have different pages: " + page + " in " + files.front().path +
                       ", " + writer.page() + " in this one",
                   "the zip, " + file.path, "draw all layers on one page: the same width, height and viewBox");
-    for (const std::string& word : looks.names) taken.insert(part.own(word));
+    for (const std::string& word : looks[i]->names) taken.insert(part.own(word));
   }
   return {};
 }

@@ -71,6 +71,16 @@ TEST(RedactionOfLayers, KeepsIdsAndClassesOfEachFileApart) {
       << *out;
 }
 
+// As plotting programs write them.
+TEST(RedactionOfLayers, KeepsARuleThatAllFilesHave) {
+  const std::string drawing = svg("<style>*{stroke-linecap: butt}</style><g/>");
+  const auto out = written({{"conductor.svg", drawing}, {"bridges.svg", drawing}});
+  ASSERT_TRUE(out) << out.error().text();
+  EXPECT_NE(out->find("label=\"bridges\"><style>*{stroke-linecap: butt}</style>"), std::string::npos) << *out;
+  EXPECT_FALSE(
+      written({{"conductor.svg", drawing}, {"bridges.svg", svg("<style>*{stroke-linecap: round}</style>")}}));
+}
+
 TEST(RedactionOfLayers, UnpacksPackedDrawings) {
   const std::string plain = svg("<g/>");
   // gzip: the head, the packed bytes, their checksum and length.
