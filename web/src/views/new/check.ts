@@ -89,7 +89,8 @@ function rows(now: DraftState, {schema, go}: CheckOptions): Children {
     {name: 'pattern', label: t('new.row_pattern'), go: () => go('pattern'), value:
       printsScan(draft()) ? choiceOf('pattern.source', 'scan')
       : pattern ? [el('span', {class: 'file-name'}, pattern.layout ? t('new.pattern_made') : pattern.name), el('br'),
-                 size ? t('new.size_on_head', {size: sizeText([size[0] * scale, size[1] * scale])}) : missing(t('new.no_size'))]
+                 size ? t('new.size_on_head', {size: sizeText([size[0] * scale, size[1] * scale])})
+                 : pattern.kind === 'other' ? t('new.size_unseen') : missing(t('new.no_size'))]
       : from?.pattern ? t('new.pattern_of_this_job', {job: shortId(from.job)})
       : missing(t('new.pattern_missing'))},
     {name: 'face', label: labelOf('pattern.inked_face'), go: setting('pattern.inked_face'), value: el('strong', null, shown('pattern.inked_face'))},
