@@ -42,8 +42,8 @@ Result<void> redact(std::vector<std::uint8_t>& bytes, const std::string& file_na
 // out. Refused: more than one model, images that are missing or neither PNG nor JPEG.
 //
 // Or it holds the layers of a print: SVG and SVGZ files whose names end with that of a layer (print_step.hpp), after the name of
-// a project, as head-F_Cu.svg does. They are written as one SVG, each in a group with the name of its layer; ids and classes that
-// another file has too get a number. Refused: drawings without such a name, pictures and DXF files with one, drawings
+// a project, as head-F_Cu.svg does. They are written as one SVG, each in a group with the name of its layer. An id or a class
+// that two files have gets a number in the second. Refused: drawings without such a name, pictures and DXF files with one, drawings
 // whose pages differ, and style sheets that would style other drawings.
 struct ZipLimits {
   std::uint64_t entries = 1000;                                // also of what is left out

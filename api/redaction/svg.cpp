@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -20,6 +18,7 @@
 #include "api/print_step.hpp"
 #include "api/redaction/formats.hpp"
 #include "api/redaction/svg_generator.hpp"
+#include "api/redaction/svg_names.hpp"
 #include "api/redaction/svg_words.hpp"
 
 namespace vacuform::redaction {
@@ -49,45 +48,6 @@ std::string escaped(std::string_view text, bool attribute) {
   }
   return out;
 }
-
-using Names = std::set<std::string, std::less<>>;
-using NewName = std::function<std::string(std::string_view)>;
-
-// A list of words with what `name` gives for each of them.
-std::string with_words(std::string_view list, const NewName& name) {
-  std::string out;
-  while (!list.empty()) {
-    const std::size_t end = std::min(list.find_first_of(" \t\r\n"), list.size());
-    if (end > 0) out += name(list.substr(0, end));
-    out += list.substr(end, 1);
-    list.remove_prefix(std::min(end + 1, list.size()));
-  }
-  return out;
-}
-
-// The ids and classes of a drawing that is put beside others: one that these have, too, gets another name.
-class OwnNames {
- public:
-  OwnNames() = default;
-  OwnNames(const Names& own, const Names& of_others) {
-    Names ends;  // of all of them, from the last line on
-    for (const Names* names : {&own, &of_others})
-      for (const std::string& word : *names)
-        if (const std::size_t line = word.rfind('_'); line != word.npos) ends.insert(word.substr(line));
-    int number = 2;
-    const auto end = [&] { return std::string("_").append(std::to_string(number)); };
-    while (ends.contains(end())) ++number;
-    for (const std::string& word : own)
-      if (of_others.contains(word)) renamed_.emplace(word, word + end());
-  }
-  std::string operator()(std::string_view word) const {
-    const auto at = renamed_.find(word);
-    return at == renamed_.end() ? std::string(word) : at->second;
-  }
-
- private:
-  std::map<std::string, std::string, std::less<>> renamed_;
-};
 
 // A style sheet or a list of declarations without comments, blanks beside signs, and addresses outside of the file.
 std::string without_comments(std::string_view text) {
@@ -133,24 +93,6 @@ std::string without_notes(std::string_view declarations) {
 std::string without_blanks(std::string_view text) {
   std::string out(text);
   std::erase_if(out, [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; });
-  return out;
-}
-
-// Selectors of CSS with what `name` gives for each class and id in them. Nothing if one of them has neither.
-std::optional<std::string> with_names(std::string_view selectors, const NewName& name) {
-  std::string out;
-  bool named = false;
-  for (std::size_t at = 0; at < selectors.size();) {
-    const char c = selectors[at++];
-    out += c;
-    if (c == ',' && !std::exchange(named, false)) return std::nullopt;
-    if (c != '.' && c != '#') continue;
-    const std::size_t end = std::min(selectors.find_first_of(" \t\r\n.#:,>+~[]()*", at), selectors.size());
-    out += name(selectors.substr(at, end - at));
-    named |= end > at;
-    at = end;
-  }
-  if (!named) return std::nullopt;
   return out;
 }
 
@@ -361,8 +303,8 @@ class Walk {
   std::optional<Error> problem_;
 };
 
-// What <use> draws, and the classes that style sheets hide: both count for elements before them. And the ids and classes, and
-// the rules of style sheets for elements of any class, without blanks.
+// What counts for elements before it: what <use> draws, the classes that style sheets hide, all ids and classes, and the rules of
+// style sheets that name neither, without blanks.
 class Looks : public Walk {
  public:
   Names used, hidden_classes, names, general_rules;

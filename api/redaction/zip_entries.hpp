@@ -1,4 +1,4 @@
-// The files in a zip of a person, each checked before it is read. Internal to api/redaction.
+// The files in an uploaded zip, each checked before it is read. Internal to api/redaction.
 #pragma once
 
 #include <functional>

@@ -127,6 +127,13 @@ Result<std::string_view> format_of(std::string_view input, std::string_view head
              : input == "pattern" && !binary(head) && begins_dxf(first_text(head)) ? "dxf"
                                                                                    : drawing_format(head);
   if (!format.empty()) return format;
+  // Redaction makes one SVG of a zip of drawings, and leaves no other zip than that of a model.
+  if (extension == "zip" && input == "pattern" && head.starts_with("PK\x03\x04"))
+    return fail(Code::unsupported_format, "the zip of the pattern holds a model", std::string(input),
+                "give the model as the scan, or a zip with an SVG for each layer");
+  if (extension == "zip" && input == "scan" && first_text(head).starts_with('<'))
+    return fail(Code::unsupported_format, "the zip of the scan holds drawings", std::string(input),
+                "give the drawings as the pattern, or a zip with one OBJ or one PLY");
   const InputKind* kind = input_kind(input);
   return fail(
       Code::unsupported_format,

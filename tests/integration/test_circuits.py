@@ -413,9 +413,9 @@ class Circuits(Case):
             outer, holes = (unary_union([Polygon(ring) for ring in read if ring.is_ccw == way]) for way in (True, False))
             with_y_up = affinity.scale(painted, 1, -1, origin=(0, 0))
             read_area = outer.difference(holes)
-            # areas() takes a few chords for each curve, which lie up to .1 mm beside it.
+            # Both readers take chords for curves.
             for one, other in ((read_area, with_y_up), (with_y_up, read_area)):
-                self.assertLess(one.difference(other.buffer(0.1)).area, 1e-3, name)
+                self.assertLess(one.difference(other.buffer(0.02)).area, 1e-3, name)
 
     def test_sheets_tell_their_step_and_number_their_gaps(self):
         out, _ = self.run_array(made_scans.adult(), 16, "coils.build=two_faces", "coils.gaps=4")

@@ -1,7 +1,8 @@
 // Ray queries against a fixed set of triangles (Embree's BVH; Wald et al. 2014, "Embree: a kernel framework for
 // efficient CPU ray tracing"). Coordinates are kept as floats relative to the mesh's centre, so a hit is exact to
 // about 1e-5 of the mesh's size; the robust traversal lets no ray slip between two triangles that share an edge. The figures of
-// a hit are the same on every processor; of triangles that a ray meets on their common edge, each processor may name another.
+// a hit are the same on every processor unless its triangle is seen exactly edge-on; of triangles that a ray meets on their common
+// edge, each processor may name another.
 #pragma once
 
 #include <Eigen/Core>

@@ -56,6 +56,19 @@ TEST(Formats, AreRecognisedForDrawingsAndTemperatures) {
   EXPECT_EQ(seems("icc", "\x89PNG\r\n\x1a\n...."), "unsupported-format");
 }
 
+TEST(Formats, OfAZipAreToldFromItsRedactedCopy) {
+  const std::string packed = std::string("PK\x03\x04").append(90, 'x'),
+                    drawn = "<svg xmlns=\"http://www.w3.org/2000/svg\">";
+  EXPECT_EQ(seems("scan", packed, "zip"), "zip");
+  EXPECT_EQ(seems("pattern", drawn, "zip"), "svg");
+  const auto message = [](const std::string& input, const std::string& bytes) {
+    const auto format = format_of(input, bytes, bytes.size(), "zip");
+    return format ? std::string(*format) : format.error().text();
+  };
+  EXPECT_NE(message("pattern", packed).find("holds a model"), std::string::npos);
+  EXPECT_NE(message("scan", drawn).find("holds drawings"), std::string::npos);
+}
+
 class ServerSubmission : public ServerTest {
  protected:
   Answer validate(const std::string& more = "") { return submit(more, "/api/v1/validate"); }

@@ -159,12 +159,16 @@ export function keptFile(mark: string): Blob | null {
   return blob;
 }
 
+// Of the drawings that this page can show.
+const drawingFormats: Record<string, [Pattern['kind'], string]> = {
+  svg: ['svg', 'image/svg+xml'], png: ['picture', 'image/png'], jpg: ['picture', 'image/jpeg'], jpeg: ['picture', 'image/jpeg']};
+
 export async function takePattern(file: Blob, name: string, layout = '', offHead = 0): Promise<void> {
   const mark = await markOf(file);
   const bytes = await file.arrayBuffer();
-  const extension = extensionOf(name), kind = extension === 'svg' ? 'svg' : ['dxf', 'svgz', 'zip'].includes(extension) ? 'other' : 'picture';
+  const [kind, type] = drawingFormats[extensionOf(name)] ?? ['other', 'application/octet-stream'];
   const size = kind === 'svg' ? svgSize(new TextDecoder().decode(bytes)) : pictureSize(bytes);
-  keepFile(mark, bytes, kind === 'svg' ? 'image/svg+xml' : kind === 'other' ? 'application/octet-stream' : extension === 'png' ? 'image/png' : 'image/jpeg');
+  keepFile(mark, bytes, type);
   const former = draft().form.pattern;
   if (former?.mark === mark && (former.whole || uploads.pattern)) return;
   const resumed = former?.mark === mark ? former.upload || null : null;
