@@ -21,7 +21,7 @@ std::string set_cookie(bool by_tls, const std::string& value, Millis seconds) {
          (by_tls ? "; Secure" : "") + "; Max-Age=" + std::to_string(seconds);
 }
 
-constexpr Millis session_seconds = 12 * 3600;
+constexpr Millis session_seconds = 12 * 3600, link_seconds = 3600;
 constexpr double most_patience = 20;
 
 // The value of the session cookie in the request.
@@ -118,13 +118,37 @@ Error Access::refused(Error error) {
   return error;
 }
 
+Result<std::string> Access::begin_session(const Token& token, bool by_tls) {
+  const std::string value = random_hex(32);
+  VACUFORM_CHECK(sessions_.add_session({text_hash(value), token.id, clock_() + session_seconds * 1000}));
+  log_event("signed-in", {{"token", token.id}});
+  return set_cookie(by_tls, value, session_seconds);
+}
+
 Result<std::string> Access::sign_in(std::string_view text, bool by_tls) {
   const auto token = usable_token(tokens_, text, clock_);
   if (!token) return tl::make_unexpected(refused(token.error()));
-  const std::string value = random_hex(32);
-  VACUFORM_CHECK(sessions_.add_session({text_hash(value), token->id, clock_() + session_seconds * 1000}));
-  log_event("signed-in", {{"token", token->id}});
-  return set_cookie(by_tls, value, session_seconds);
+  return begin_session(*token, by_tls);
+}
+
+Result<Access::MadeLink> Access::make_link(const std::string& token_id) {
+  VACUFORM_TRY(token, tokens_.token(token_id));
+  const Millis now = clock_();
+  if (!usable(token, now))
+    return fail(Code::conflict, "the token was revoked or has expired", token_id, "make another token");
+  MadeLink link{random_hex(32), now + link_seconds * 1000};
+  VACUFORM_CHECK(sessions_.add_link({text_hash(link.code), token.id, link.expires}));
+  return link;
+}
+
+Result<std::string> Access::sign_in_by_link(std::string_view code, bool by_tls) {
+  auto token = sessions_.use_link(text_hash(code));
+  if (!token && token.error().code != Code::not_found) return tl::make_unexpected(token.error());
+  if (!token || !usable(*token, clock_()))
+    return tl::make_unexpected(
+        refused({Code::unauthorized, "the link is wrong, was used, or has expired", "link",
+                 "ask the administrator for another one; deploy/start prints one, too"}));
+  return begin_session(*token, by_tls);
 }
 
 Result<std::string> Access::sign_out(const http::Request& request) {

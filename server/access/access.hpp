@@ -1,4 +1,5 @@
-// Who asks, and whether they may: a bearer token in Authorization, or the cookie of someone who signed in with one.
+// Who asks, and whether they may: a bearer token in Authorization, or the cookie of someone who signed in with one or with a
+// link that stands for one.
 //
 // A cookie is a session of its own, so that what a browser holds is not the token and ends with sign-out, with the token,
 // or after twelve hours. Sessions are in the store: they outlive a restart of the server, and servers on one database
@@ -47,6 +48,15 @@ class Access {
 
   // The value of Set-Cookie for someone who shows a usable token; `by_tls`: through the TLS front. Errors: as above.
   Result<std::string> sign_in(std::string_view token, bool by_tls);
+  // A link for someone who shall sign in with this token and not see it: what follows /sign-in?link=, which works once and
+  // for an hour. Errors: not_found; conflict, if the token cannot be used; those of the store.
+  struct MadeLink {
+    std::string code;  // 64 hexadecimal digits, kept nowhere
+    Millis expires = 0;
+  };
+  Result<MadeLink> make_link(const std::string& token_id);
+  // As sign_in(). Errors: unauthorized (no such link, used, or expired; or its token cannot be used any more), and as above.
+  Result<std::string> sign_in_by_link(std::string_view code, bool by_tls);
   // Ends the session of the request's cookie; gives the value of Set-Cookie that takes it away. Errors: those of the
   // store; the session may then go on, so the browser must keep its cookie.
   Result<std::string> sign_out(const http::Request& request);
@@ -55,6 +65,7 @@ class Access {
   Result<Caller> caller_of(const http::Request& request);
   Result<Caller> caller_of_session(const http::Request& request);
   Error refused(Error error);
+  Result<std::string> begin_session(const Token& token, bool by_tls);
 
   TokenTable& tokens_;
   SessionTable& sessions_;

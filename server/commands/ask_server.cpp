@@ -7,14 +7,26 @@ namespace vacuform {
 
 using nlohmann::ordered_json;
 
+namespace {
+
+Result<std::string> line_of(const std::filesystem::path& file) {
+  VACUFORM_TRY(line, read_text_file(file, 1024));
+  line.erase(line.find_last_not_of('\n') + 1);
+  return line;
+}
+
+}  // namespace
+
+Result<std::string> server_url(const std::filesystem::path& data, const Error& unopened) {
+  auto url = line_of(data / "server-url");
+  return url ? std::move(url) : tl::make_unexpected(unopened);
+}
+
 Result<ordered_json> ask_server(const std::filesystem::path& data, const Error& unopened,
                                 const std::string& method, const std::string& path, const std::string& body,
                                 std::chrono::seconds limit) {
-  auto address = read_text_file(data / "server-url", 1024);
-  if (!address) return tl::make_unexpected(unopened);
-  std::string url = std::move(*address);
-  VACUFORM_TRY(token, read_text_file(data / "admin-token", 1024));
-  for (std::string* line : {&url, &token}) line->erase(line->find_last_not_of('\n') + 1);
+  VACUFORM_TRY(url, server_url(data, unopened));
+  VACUFORM_TRY(token, line_of(data / "admin-token"));
   VACUFORM_TRY(http, Http::to(url, token));
   HttpRequest request;
   request.method = method;

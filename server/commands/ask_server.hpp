@@ -12,6 +12,9 @@
 
 namespace vacuform {
 
+// Where the server of a data folder listens: "http://127.0.0.1:8080". Errors: `unopened` if none has been running.
+Result<std::string> server_url(const std::filesystem::path& data, const Error& unopened);
+
 // `path` starts with /api/v1/. Errors: those that the server returns; `unopened`, which says why the command cannot open the
 // store itself, if no server has been running; unavailable if none is running now.
 Result<nlohmann::ordered_json> ask_server(const std::filesystem::path& data, const Error& unopened,

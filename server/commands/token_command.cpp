@@ -22,9 +22,11 @@ class TokenCommand final : public StoreCommand {
   Result<void> run_on(const std::filesystem::path& data, const StoreOptions& places) override;
   Result<void> create() const;
   Result<void> list() const;
+  Result<void> link() const;
   Result<void> revoke() const;
+  Result<void> check_id() const;
 
-  CLI::App *create_ = nullptr, *list_ = nullptr, *revoke_ = nullptr;
+  CLI::App *create_ = nullptr, *list_ = nullptr, *link_ = nullptr, *revoke_ = nullptr;
   std::filesystem::path data_, out_;
   StoreOptions places_;
   std::string owner_, scopes_, id_;
@@ -32,12 +34,14 @@ class TokenCommand final : public StoreCommand {
 };
 
 void TokenCommand::add_to(CLI::App& app) {
-  CLI::App& token = add(app, "token", "Make, list and revoke tokens");
+  CLI::App& token = add(app, "token", "Make, list and revoke tokens, and make links that sign in");
   token.require_subcommand(1);
   create_ = token.add_subcommand("create", "Make a token; it is shown once");
   list_ = token.add_subcommand("list", "List the tokens, without their secrets");
+  link_ = token.add_subcommand("link",
+                               "Make a link that signs a browser in once, within an hour, without the token");
   revoke_ = token.add_subcommand("revoke", "Revoke a token, at once and for good");
-  for (CLI::App* command : {create_, list_, revoke_}) add_data(*command);
+  for (CLI::App* command : {create_, list_, link_, revoke_}) add_data(*command);
   create_
       ->add_option("--owner", owner_, "Whose jobs it makes and sees: a place or a purpose, such as station-3")
       ->required();
@@ -47,7 +51,8 @@ void TokenCommand::add_to(CLI::App& app) {
   create_->add_option("--days", days_, "Days after which it expires (default: never)")
       ->check(CLI::Range(0.0001, 3650.0));
   create_->add_option("--out", out_, "File that receives it, instead of standard output")->type_name("FILE");
-  revoke_->add_option("id", id_, "The id, as list shows it")->required();
+  for (CLI::App* command : {link_, revoke_})
+    command->add_option("id", id_, "The id, as list shows it")->required();
 }
 
 Result<void> TokenCommand::run_on(const std::filesystem::path& data, const StoreOptions& places) {
@@ -55,6 +60,7 @@ Result<void> TokenCommand::run_on(const std::filesystem::path& data, const Store
   places_ = places;
   if (create_->parsed()) return create();
   if (list_->parsed()) return list();
+  if (link_->parsed()) return link();
   return revoke();
 }
 
@@ -110,15 +116,29 @@ Result<void> TokenCommand::list() const {
   return {};
 }
 
+Result<void> TokenCommand::check_id() const {
+  if (id_.find_first_not_of("0123456789abcdef") != std::string::npos)
+    return fail(Code::bad_usage, "not the id of a token: " + id_, "id",
+                "take it from vacuform-server token list");
+  return has_store(data_) ? Result<void>() : no_store(data_);
+}
+
+// Only a server that runs has an address to open.
+Result<void> TokenCommand::link() const {
+  VACUFORM_CHECK(check_id());
+  const Error stopped{Code::unavailable, "no server runs on this data folder", data_.string(), "start it"};
+  VACUFORM_TRY(answer, ask_server(data_, stopped, "POST", tokens_path + ("/" + id_ + "/link")));
+  VACUFORM_TRY(url, server_url(data_, stopped));
+  std::printf("%s%s\n", url.c_str(), answer.value("path", "").c_str());
+  return {};
+}
+
 Result<void> TokenCommand::revoke() const {
+  VACUFORM_CHECK(check_id());
   const auto here = [&](Store& store) -> Result<ordered_json> {
     VACUFORM_CHECK(store.revoke_token(id_));
     return ordered_json::object();
   };
-  if (id_.find_first_not_of("0123456789abcdef") != std::string::npos)
-    return fail(Code::bad_usage, "not the id of a token: " + id_, "id",
-                "take it from vacuform-server token list");
-  if (!has_store(data_)) return no_store(data_);
   VACUFORM_CHECK(do_or_ask(data_, places_, here, "DELETE", tokens_path + ("/" + id_)));
   return {};
 }

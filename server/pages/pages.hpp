@@ -23,8 +23,9 @@ Page job_page(const Job& job, const nlohmann::json& made, const std::vector<LogL
 // Text next to the state of a job, on its page and in lists: "2 serious warnings", or empty.
 std::string serious_text(const Job& job);
 
-// The form for signing in with a token; after a refusal `error` is shown above it.
-Page sign_in_page(const std::optional<Error>& error = std::nullopt);
+// The form for signing in with a token, or with the code of a link if there is one; after a refusal `error` is shown above
+// it.
+Page sign_in_page(const std::optional<Error>& error = std::nullopt, const std::string& link = {});
 
 // The meaning of each problem and its fix; an empty slug returns the list of all.
 Page problems_page();

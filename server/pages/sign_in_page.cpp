@@ -6,11 +6,11 @@
 
 namespace vacuform {
 
-Page sign_in_page(const std::optional<Error>& error) {
+Page sign_in_page(const std::optional<Error>& error, const std::string& link) {
   Page page;
   page.title = "Sign in";
   page.status = error ? meaning(error->code).http_status : 200;
-  page.main = rendered("sign_in", {{"problem", problem_values(error)}});
+  page.main = rendered("sign_in", {{"problem", problem_values(error)}, {"link", link}});
   return page;
 }
 

@@ -16,8 +16,8 @@ struct PublicRoute {
 
 // Every route that asks for no token.
 constexpr PublicRoute public_routes[] = {
-    {"GET", "/sign-in", "the way to a session"},
-    {"POST", "/sign-in", "the token is in its body"},
+    {"GET", "/sign-in?link", "the way to a session"},
+    {"POST", "/sign-in", "the token or the code of a link is in its body"},
     {"POST", "/sign-out", "ends the session of the request, if there is one"},
     {"GET", "/style.css", "the sign-in page needs it; part of the program"},
     {"GET", "/job.js", "part of the program"},

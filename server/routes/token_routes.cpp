@@ -36,6 +36,14 @@ Result<Response> list_tokens(Service& service, Request&, const Caller&) {
   return json_response({{"tokens", list}});
 }
 
+// A link that a person opens in place of showing the token.
+Result<Response> create_link(Service& service, Request& request, const Caller& caller) {
+  const std::string& id = request.at("id");
+  VACUFORM_TRY(link, service.access.make_link(id));
+  log_event("sign-in-link-created", {{"token", id}, {"by", caller.token}});
+  return json_response({{"path", "/sign-in?link=" + link.code}, {"expires", rfc3339(link.expires)}}, 201);
+}
+
 Result<Response> revoke_token(Service& service, Request& request, const Caller& caller) {
   VACUFORM_CHECK(service.store.revoke_token(request.at("id")));
   log_event("token-revoked", {{"token", request.at("id")}, {"by", caller.token}});
@@ -47,6 +55,7 @@ Result<Response> revoke_token(Service& service, Request& request, const Caller& 
 void add_token_routes(http::Router& router, Service& service) {
   add_guarded(router, service, Scope::admin, "POST", "/api/v1/tokens", create_token);
   add_guarded(router, service, Scope::admin, "GET", "/api/v1/tokens", list_tokens);
+  add_guarded(router, service, Scope::admin, "POST", "/api/v1/tokens/{id}/link", create_link);
   add_guarded(router, service, Scope::admin, "DELETE", "/api/v1/tokens/{id}", revoke_token);
 }
 

@@ -113,6 +113,43 @@ test('a person who signs in over another one finds nothing, in no tab', async ()
   await page.context().close();
 });
 
+test('a link signs a person in once, also over another one', async () => {
+  const page = await open(tokens.a);
+  await prepare(page);
+  const administrator = await open(service.token);
+  await show(administrator, '#/admin/tokens');
+  const link = async () => {
+    await administrator.getByRole('button', {name: `Sign-in link for the token ${tokens.b.split('_')[1]} of ward-b`}).click();
+    const dialog = administrator.getByRole('dialog', {name: 'A sign-in link for ward-b'});
+    const made = await dialog.getByLabel('Sign-in link').inputValue();
+    await dialog.getByRole('button', {name: 'Close'}).click();
+    return made;
+  };
+  const first = await link();
+  await page.goto(first);
+  await settled(page);
+  assert.equal(new URL(page.url()).pathname, '/');  // the code is in no address that stays
+  await nothingLeft(page);
+  await page.locator('header details.menu summary').click();
+  await page.getByText('Signed in as ward-b').waitFor();
+  await page.goto(first);  // opened again
+  await settled(page);
+  await page.context().close();
+  const stranger = await openPage(browser, service);
+  await stranger.goto(first);
+  await stranger.getByRole('alert').getByText('the link is wrong, was used, or has expired').waitFor();
+  await stranger.getByLabel('Token', {exact: true}).waitFor();
+  // on a page of another site, such as a terminal in a browser
+  await stranger.goto(`data:text/html,<a href="${await link()}">open</a>`);
+  await stranger.getByText('open').click();
+  await stranger.getByText('It works once.').waitFor();
+  await stranger.getByRole('button', {name: 'Sign in'}).press('Enter');
+  await stranger.waitForURL((url) => url.pathname === '/');
+  await settled(stranger);
+  await stranger.context().close();
+  await administrator.context().close();
+});
+
 test('a tab that was restored belongs to who signed in then', async () => {
   const page = await open(tokens.a);
   await prepare(page);

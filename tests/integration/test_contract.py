@@ -165,6 +165,7 @@ class Exchanges(Case):
         token = self.taken(*OF_JSON, "-d", '{"owner": "station-3", "scopes": ["read"], "days": 1}', self.server.api + "/tokens",
                            status=201).json
         self.taken(self.server.api + "/tokens")
+        self.taken("-X", "POST", f"{self.server.api}/tokens/{token['id']}/link", status=201)
         self.taken("-X", "DELETE", f"{self.server.api}/tokens/{token['id']}", status=204)
 
     def use_uploads_and_scans(self):

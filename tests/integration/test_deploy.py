@@ -7,6 +7,7 @@ import json
 import os
 import pathlib
 import pwd
+import re
 import shutil
 import signal
 import socket
@@ -62,7 +63,8 @@ class Deploy(Case):
         self.assertEqual(report["scan"]["size_mm"], [152.0, 195.0, 183.0])
         self.assertEqual((self.var / "sample" / "print.png").read_bytes()[:4], b"\x89PNG")
         self.assertEqual(self.var.stat().st_mode & 0o777, 0o700)
-        self.assertIn(f"sign in with the token in {self.var / 'token'}", first.stdout)
+        self.assertIn(f"Programs use the token in {self.var / 'token'}", first.stdout)
+        self.assert_link_signs_in_once(first.stdout)
         self.assertEqual((self.var / "token").stat().st_mode & 0o777, 0o600)
         token = (self.var / "token").read_text()
         self.assertTrue(self.healthy())
@@ -78,6 +80,7 @@ class Deploy(Case):
         self.assertEqual(second.returncode, 0, second.stderr)
         self.assertIn(f"Vacuform is already running at http://127.0.0.1:{self.port} (process {pid}).", second.stdout)
         self.assertNotIn("Running the bundled sample", second.stdout)
+        self.assert_link_signs_in_once(second.stdout)
         self.assertEqual(self.pid(), pid)
 
         mask = self.start("--sample", "mask")
@@ -107,6 +110,25 @@ class Deploy(Case):
         self.assertIn("Vacuform has stopped.", stopped.stdout)
         self.assertFalse(runs(pid))
         self.assertEqual(self.run_script("stop").stdout, "Vacuform is not running.\n")
+
+    def assert_link_signs_in_once(self, said):
+        (link,) = re.findall(rf"^  (http://127\.0\.0\.1:{self.port}/sign-in\?link=[0-9a-f]{{64}})$", said, re.MULTILINE)
+        opened = curl(link)
+        self.assertEqual((opened.status, opened.headers["location"]), (303, "/"))
+        cookie = opened.headers["set-cookie"].partition(";")[0]
+        session = curl(f"http://127.0.0.1:{self.port}/api/v1/session", "-H", f"Cookie: {cookie}")
+        self.assertEqual(json.loads(session.body)["owner"], "local")
+        self.assertEqual(curl(link).status, 401)
+
+    def test_says_so_where_there_is_no_link(self):
+        self.assertEqual(self.start().returncode, 0)
+        token = (self.var / "token").read_text()
+        done = subprocess.run([self.bin / "vacuform-server", "token", "revoke", "--data", self.var / "store", token.split("_")[1]])
+        self.assertEqual(done.returncode, 0)
+        again = self.start()
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertIn("the token was revoked or has expired", again.stderr)
+        self.assertIn(f"open http://127.0.0.1:{self.port} in a browser and sign in with a token", again.stdout)
 
     def assert_workers_are_strangers(self, server):
         """Started by root, the workers have a user of their own, who can read nothing of the service."""

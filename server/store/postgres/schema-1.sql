@@ -87,6 +87,7 @@ CREATE TABLE stored_object(
 CREATE UNIQUE INDEX stored_object_live ON stored_object(sha256) WHERE state='live';
 CREATE INDEX stored_object_deleting ON stored_object(since) WHERE state='deleting';
 CREATE TABLE session(hash text COLLATE "C" PRIMARY KEY, token text COLLATE "C" NOT NULL, ends bigint NOT NULL);
+CREATE TABLE sign_in_link(hash text COLLATE "C" PRIMARY KEY, token text COLLATE "C" NOT NULL, expires bigint NOT NULL);
 CREATE TABLE upload_piece(
   upload text COLLATE "C" NOT NULL REFERENCES upload(id) ON DELETE CASCADE, number integer NOT NULL,
   blob text COLLATE "C" NOT NULL, bytes bigint NOT NULL, PRIMARY KEY(upload, number)

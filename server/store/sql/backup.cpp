@@ -42,8 +42,10 @@ Result<void> forget_bucket(Database& db) {
   return db.execute("BEGIN; DELETE FROM stored_object; DELETE FROM remembered WHERE name='bucket'; COMMIT");
 }
 
-// A restored backup would begin again what was signed out after it.
-Result<void> forget_sessions(Database& db) { return db.execute("DELETE FROM session"); }
+// A restored backup would begin again what was signed out after it, and bring back links that were used.
+Result<void> forget_sessions(Database& db) {
+  return db.execute("BEGIN; DELETE FROM session; DELETE FROM sign_in_link; COMMIT");
+}
 
 }  // namespace
 

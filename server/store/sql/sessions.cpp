@@ -54,4 +54,40 @@ Result<void> SqlStore::end_session(const std::string& hash) {
   return write([&](Transaction& tx) { return Query(tx.db, "DELETE FROM session WHERE hash=?", hash).run(); });
 }
 
+Result<void> SqlStore::add_link(const SignInLink& link) {
+  return write([&](Transaction& tx) -> Result<void> {
+    VACUFORM_CHECK(tx.db.take_turns("sessions"));
+    VACUFORM_CHECK(Query(tx.db, "DELETE FROM sign_in_link WHERE expires<=?", options_.clock()).run());
+    VACUFORM_CHECK(Query(tx.db,
+                         "DELETE FROM sign_in_link WHERE hash IN (SELECT hash FROM sign_in_link WHERE token=?"
+                         " ORDER BY expires DESC, hash LIMIT ? OFFSET ?)",
+                         link.token, most_links_of_token, most_links_of_token - 1)
+                       .run());
+    return Query(tx.db, "INSERT INTO sign_in_link(hash, token, expires) VALUES(?,?,?)", link.hash, link.token,
+                 link.expires)
+        .run();
+  });
+}
+
+Result<Token> SqlStore::use_link(const std::string& hash) {
+  std::optional<Token> token;
+  const auto used = write([&](Transaction& tx) -> Result<void> {
+    token.reset();  // a transaction may be repeated
+    VACUFORM_CHECK(tx.db.take_turns("sessions"));
+    {
+      Query query(tx.db,
+                  "SELECT token.id, token.owner, token.scopes, token.hash, token.created, token.expires,"
+                  " token.revoked, token.file FROM sign_in_link JOIN token ON token.id=sign_in_link.token"
+                  " WHERE sign_in_link.hash=? AND sign_in_link.expires>?",
+                  hash, options_.clock());
+      VACUFORM_TRY(found, query.row());
+      if (found) token = token_in(query);
+    }
+    return Query(tx.db, "DELETE FROM sign_in_link WHERE hash=?", hash).run();
+  });
+  if (!used) return tl::make_unexpected(used.error());
+  if (!token) return fail(Code::not_found, "there is no such link", {}, "ask for another one");
+  return std::move(*token);
+}
+
 }  // namespace vacuform

@@ -73,6 +73,8 @@ class SqlStore : public Store, public ObjectTable {
   Result<void> add_session(const Session& session) override;
   Result<FoundSession> find_session(const std::string& hash) override;
   Result<void> end_session(const std::string& hash) override;
+  Result<void> add_link(const SignInLink& link) override;
+  Result<Token> use_link(const std::string& hash) override;
 
   Result<void> add_upload(const StoredUpload& upload) override;
   Result<StoredUpload> find_upload(const std::string& id) override;

@@ -300,6 +300,58 @@ TEST_F(ServerAccess, ABrowserSignsInAndOut) {
   EXPECT_EQ(ask("GET", "/api/v1/jobs", session).status, 401);
 }
 
+TEST_F(ServerAccess, ALinkSignsABrowserInOnce) {
+  const std::string links = "/api/v1/tokens/" + user_.substr(4, 16) + "/link", html = "Accept: text/html\r\n";
+  const auto link = [&] {
+    const Answer made = ask("POST", links, bearer(admin_));
+    EXPECT_EQ(made.status, 201) << made.body;
+    return json::parse(made.body)["path"].get<std::string>();
+  };
+  const std::string first = link();
+  // A browser that fetches ahead, or comes from another site, gets a page with a button, and the link stays good.
+  for (const char* ahead : {"Sec-Purpose: prefetch\r\n", "Sec-Purpose: prefetch;prerender\r\n",
+                            "Sec-Fetch-Site: cross-site\r\n"}) {
+    const Answer page = ask("GET", first, anonymous + html + ahead);
+    EXPECT_EQ(page.status, 200);
+    EXPECT_NE(page.body.find("It works once."), std::string::npos) << page.body;
+    EXPECT_TRUE(page.header("Set-Cookie").empty());
+    EXPECT_EQ(page.header("Cache-Control"), "no-store");
+  }
+  EXPECT_EQ(ask("HEAD", first, anonymous).status, 200);
+  const Answer in = ask("GET", first, signed_in(admin_) + html + "Sec-Fetch-Site: none\r\n");  // over another
+  EXPECT_EQ(in.status, 303) << in.body;
+  EXPECT_EQ(in.header("Location"), "/");
+  const std::string cookie = in.header("Set-Cookie");
+  EXPECT_NE(cookie.find("; HttpOnly; SameSite=Strict"), std::string::npos) << cookie;
+  const std::string session = "Cookie: " + cookie.substr(0, cookie.find(';')) + "\r\n";
+  EXPECT_EQ(json::parse(ask("GET", "/api/v1/session", session).body)["owner"], "station-1");
+
+  const Answer again = ask("GET", first, anonymous + html);
+  EXPECT_EQ(again.status, 401);
+  EXPECT_NE(again.body.find("the link is wrong, was used, or has expired"), std::string::npos) << again.body;
+  EXPECT_TRUE(again.header("Set-Cookie").empty());
+  EXPECT_EQ(ask("GET", first, session + html).header("Location"), "/");  // who is signed in sees no error
+
+  const std::string second = link(), code = second.substr(second.find('=') + 1);
+  const std::string body = part("link", "", code) + "--XX--\r\n";
+  EXPECT_EQ(
+      ask("POST", "/sign-in", anonymous + std::string("Origin: http://example.org\r\n") + form_type, body)
+          .status,
+      403);
+  EXPECT_EQ(ask("POST", "/sign-in", anonymous + std::string(form_type), body).status, 303);
+  EXPECT_EQ(ask("POST", "/sign-in", anonymous + std::string(form_type), body).status, 401);
+  EXPECT_EQ(ask("POST", links, bearer(user_)).status, 403);
+  EXPECT_EQ(ask("POST", "/api/v1/tokens/0123456789abcdef/link", bearer(admin_)).status, 404);
+}
+
+TEST_F(ServerAccess, WrongLinksCountAsWrongTokens) {
+  Answer answer;
+  for (int i = 0; i < 30 && answer.status != 429; ++i)
+    answer = ask("GET", "/sign-in?link=" + std::string(64, 'a'), anonymous);
+  EXPECT_EQ(answer.status, 429);
+  signed_in(user_);
+}
+
 TEST_F(ServerAccess, TheSignInPageSaysWhenToTryAgain) {
   Answer answer;
   for (int i = 0; i < 30 && answer.status != 429; ++i)
@@ -363,6 +415,16 @@ TEST_F(ServerAccess, TheCookieIsForTlsAloneBehindAFront) {
   EXPECT_EQ(
       by_front("POST /sign-out", "Origin: http://front.example.org\r\nCookie: " + pair + "\r\n", "").status,
       403);
+  // Through a front, a link waits for a click: programs that check mail open it before its reader does.
+  const std::string link = json::parse(
+                        ask("POST", "/api/v1/tokens/" + user_.substr(4, 16) + "/link", bearer(admin_))
+                            .body)["path"],
+                    code = link.substr(link.find('=') + 1);
+  const Answer page = by_front("GET " + link, "", "");
+  EXPECT_EQ(page.status, 200);
+  EXPECT_TRUE(page.header("Set-Cookie").empty());
+  EXPECT_NE(page.body.find("name=\"link\" value=\"" + code + "\""), std::string::npos) << page.body;
+  EXPECT_EQ(by_front("POST /sign-in", form_type, part("link", "", code) + "--XX--\r\n").status, 303);
   const Answer out =
       by_front("POST /sign-out", "Origin: https://front.example.org\r\nCookie: " + pair + "\r\n", "");
   EXPECT_TRUE(out.header("Set-Cookie").starts_with("__Host-vacuform-session=;")) << out.header("Set-Cookie");

@@ -120,12 +120,43 @@ TEST_F(SessionTest, ATokenWithTooManySessionsLosesItsOldest) {
   for (std::size_t i = 1; i < browsers.size(); ++i) EXPECT_EQ(seen(*one_, browsers[i]), "station-1") << i;
 }
 
+TEST_F(SessionTest, ALinkSignsInOnceWithinAnHour) {
+  const std::string id = token_.substr(4, 16);
+  const auto link = one_->make_link(id), late = one_->make_link(id);
+  ASSERT_TRUE(link && late);
+  EXPECT_EQ(link->expires, now_ + hour);
+  EXPECT_EQ(link->code.size(), 64u);
+  stop();  // the links outlive a restart
+  start();
+  now_ += hour - 1;
+  EXPECT_EQ(seen(*one_, request(two_->sign_in_by_link(link->code, false))), "station-1");
+  const auto again = one_->sign_in_by_link(link->code, false);
+  ASSERT_FALSE(again);
+  EXPECT_EQ(again.error().code, Code::unauthorized);
+  now_ += 1;
+  EXPECT_FALSE(one_->sign_in_by_link(late->code, false));
+}
+
+TEST_F(SessionTest, ALinkEndsWithItsToken) {
+  const auto brief = make_token(*store_, {"station-2", {Scope::read}, now_ + hour / 2}, clock_);
+  const auto first = one_->make_link(token_.substr(4, 16)), second = one_->make_link(brief->token.id);
+  ASSERT_TRUE(first && second);
+  ASSERT_TRUE(store_->revoke_token(token_.substr(4, 16)));
+  EXPECT_FALSE(one_->sign_in_by_link(first->code, false));
+  EXPECT_EQ(one_->make_link(token_.substr(4, 16)).error().code, Code::conflict);
+  EXPECT_EQ(one_->make_link("0123456789abcdef").error().code, Code::not_found);
+  now_ += hour / 2;
+  EXPECT_FALSE(one_->sign_in_by_link(second->code, false));
+}
+
 // The sessions of a server that cannot reach its database.
 class NoSessions : public SessionTable {
  public:
   Result<void> add_session(const Session&) override { return away(); }
   Result<FoundSession> find_session(const std::string&) override { return away(); }
   Result<void> end_session(const std::string&) override { return away(); }
+  Result<void> add_link(const SignInLink&) override { return away(); }
+  Result<Token> use_link(const std::string&) override { return away(); }
 
  private:
   static tl::unexpected<Error> away() { return fail(Code::unavailable, "the database cannot be reached"); }

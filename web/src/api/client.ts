@@ -115,6 +115,8 @@ export const api = {
   tokens: (): Promise<{tokens: TokenInfo[]}> => read(`${v1}/tokens`),
   createToken: async (body: {owner: string; scopes: string[]; days?: number}): Promise<TokenInfo & {token: string}> =>
     await (await send('POST', `${v1}/tokens`, body)).json() as TokenInfo & {token: string},
+  createSignInLink: async (id: string): Promise<{path: string}> =>
+    await (await send('POST', `${v1}/tokens/${encodeURIComponent(id)}/link`)).json() as {path: string},
   revokeToken: (id: string): Promise<Response> => send('DELETE', `${v1}/tokens/${encodeURIComponent(id)}`),
   service: <T>(): Promise<T> => read(`${v1}/service`),
 };

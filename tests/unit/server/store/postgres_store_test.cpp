@@ -273,6 +273,25 @@ TEST_F(PostgresStoreTest, ASessionOfOneServerIsKnownToAnotherUntilEitherEndsIt) 
   EXPECT_EQ(one->find_session("b").error().code, Code::not_found);
 }
 
+TEST_F(PostgresStoreTest, OfManyWhoOpenALinkOneSignsIn) {
+  const auto one = server("one"), two = server("two");
+  ASSERT_TRUE(one->add_token({"0001", "station-1", {Scope::read}, std::string(64, 'a'), 5, {}, {}}));
+  ASSERT_TRUE(one->add_link({"b", "0001", wall_clock() + 60'000}));
+  std::atomic<int> got = 0, refused = 0;
+  std::vector<std::thread> clients;
+  for (int i = 0; i < 16; ++i)
+    clients.emplace_back([&, i] {
+      const auto token = (i % 2 == 0 ? one : two)->use_link("b");
+      if (token)
+        ++got;
+      else if (token.error().code == Code::not_found)
+        ++refused;
+    });
+  for (auto& client : clients) client.join();
+  EXPECT_EQ(got, 1);
+  EXPECT_EQ(refused, 15);
+}
+
 TEST_F(PostgresStoreTest, TwoServersThatSignInAtOnceKeepTheLimits) {
   const auto one = server("one"), two = server("two");
   // There is room for ten, and no token has more than 45.

@@ -90,10 +90,41 @@ TEST_P(StoreTest, OfTooManySessionsTheTokenWithTheMostLosesItsOldest) {
   EXPECT_FALSE(sessions.has(hashes[10 * 47]));
 }
 
+TEST_P(StoreTest, ALinkGivesItsTokenOnce) {
+  Sessions sessions(store_, now_);
+  sessions.add("0001"), sessions.add("0002");
+  ASSERT_TRUE(store_->add_link({"one", "0001", now_ + 10}));
+  ASSERT_TRUE(store_->add_link({"two", "0002", now_ + 10}));
+  crash();
+  const auto token = store_->use_link("two");
+  ASSERT_TRUE(token) << token.error().text();
+  EXPECT_EQ(token->id, "0002");
+  EXPECT_EQ(token->scopes, Scopes{Scope::read});
+  crash();
+  EXPECT_EQ(store_->use_link("two").error().code, Code::not_found);
+  EXPECT_EQ(store_->use_link("three").error().code, Code::not_found);
+  now_ += 10;
+  EXPECT_EQ(store_->use_link("one").error().code, Code::not_found);
+}
+
+TEST_P(StoreTest, ATokenWithTooManyLinksLosesTheOneThatExpiresFirst) {
+  Sessions sessions(store_, now_);
+  sessions.add("0001"), sessions.add("0002");
+  ASSERT_TRUE(store_->add_link({"other", "0002", now_ + 1}));
+  for (int i = 0; i < most_links_of_token + 2; ++i)
+    ASSERT_TRUE(store_->add_link({std::to_string(i), "0001", now_ + 1000 - i}));
+  const int last = most_links_of_token + 1;  // the new one stays, whenever it expires
+  EXPECT_TRUE(store_->use_link(std::to_string(last)));
+  EXPECT_FALSE(store_->use_link(std::to_string(last - 1)) || store_->use_link(std::to_string(last - 2)));
+  for (int i = 0; i < last - 2; ++i) EXPECT_TRUE(store_->use_link(std::to_string(i))) << i;
+  EXPECT_TRUE(store_->use_link("other"));
+}
+
 // With sessions in it, a restore would bring back those that were signed out since.
 TEST_P(StoreTest, ABackupHasNoSessions) {
   Sessions sessions(store_, now_);
   const std::string session = sessions.add("0001");
+  ASSERT_TRUE(store_->add_link({"link", "0001", now_ + 1000}));
   const fs::path to = folder_ / "backup";
   fs::create_directory(to);
   fs::permissions(to, fs::perms::owner_all);
@@ -102,6 +133,7 @@ TEST_P(StoreTest, ABackupHasNoSessions) {
   open_backup(to);
   EXPECT_TRUE(store_->token("0001"));
   EXPECT_FALSE(sessions.has(session));
+  EXPECT_FALSE(store_->use_link("link"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Tokens: who may do what. The secret of a new one is shown once.
+// Tokens: who may do what. The secret of a new one is shown once, and so is a link that signs in with one.
 import {api} from '../../api/client';
 import type {Scope, TokenInfo} from '../../api/types';
 import {el, newId, replace, type Children} from '../../dom';
@@ -24,18 +24,18 @@ const roleOf = (token: TokenInfo): string => {
   return role ? t(`admin.role_${role}`) : token.scopes.join(', ');
 };
 
-function showSecret(owner: string, secret: string): void {
+function showOnce(kind: 'secret' | 'link', owner: string, value: string): void {
   const title = newId('secret'), field = newId('secret');
-  const input = el('input', {id: field, readonly: true, value: secret, class: 'secret', spellcheck: 'false'});
+  const input = el('input', {id: field, readonly: true, value, class: 'secret', spellcheck: 'false'});
   void openDialog({'aria-labelledby': title},
-    el('h2', {id: title}, t('admin.secret_title', {owner})),
-    el('p', null, t('admin.secret_once')),
-    el('div', null, el('label', {for: field}, t('admin.secret')), input),
+    el('h2', {id: title}, t(`admin.${kind}_title`, {owner})),
+    el('p', null, t(`admin.${kind}_once`)),
+    el('div', null, el('label', {for: field}, t(`admin.${kind}`)), input),
     el('div', {class: 'row'},
       el('button', {type: 'button', class: 'primary', onclick: () => {
         input.select();
-        void navigator.clipboard.writeText(secret).then(() => announce(t('problem.copied')));
-      }}, icon('copy'), t('admin.secret_copy')),
+        void navigator.clipboard.writeText(value).then(() => announce(t('problem.copied')));
+      }}, icon('copy'), t(`admin.${kind}_copy`)),
       el('button', {type: 'submit'}, t('shell.close'))));
 }
 
@@ -69,7 +69,7 @@ function creation(created: () => void): HTMLElement {
       const made = await api.createToken({owner: owner.value, scopes: roles[chosen],
                                           ...(days.value !== '0' && {days: Number(days.value)})});
       form.reset();
-      showSecret(made.owner, made.token);
+      showOnce('secret', made.owner, made.token);
       created();
     } catch (error) {
       replace(problem, problemBox(error));
@@ -103,6 +103,14 @@ function entry(token: TokenInfo, changed: () => void): HTMLElement {
       replace(problem, problemBox(error));
     }
   };
+  const link = async (): Promise<void> => {
+    replace(problem, null);
+    try {
+      showOnce('link', token.owner, location.origin + (await api.createSignInLink(token.id)).path);
+    } catch (error) {
+      replace(problem, problemBox(error));
+    }
+  };
   const problem = el('div');
   return el('li', {class: 'card entry'},
     el('div', null, el('h3', null, token.owner, own && el('span', {class: 'state'}, t('admin.own'))),
@@ -112,8 +120,11 @@ function entry(token: TokenInfo, changed: () => void): HTMLElement {
       [t('admin.created'), when(token.created)],
       token.revoked ? [t('admin.revoked'), when(token.revoked)]
                     : [t('admin.expires'), token.expires ? when(token.expires) : t('admin.days_never')])),
-    usable(token) && el('button', {type: 'button', class: 'danger', onclick: () => void revoke(),
-                                   'aria-label': t('admin.revoke_of', {owner: token.owner, id: token.id})}, t('admin.revoke')));
+    usable(token) && el('div', {class: 'row'},
+      !token.scopes.includes('work') && el('button', {type: 'button', onclick: () => void link(),
+        'aria-label': t('admin.link_of', {owner: token.owner, id: token.id})}, t('admin.link')),
+      el('button', {type: 'button', class: 'danger', onclick: () => void revoke(),
+                    'aria-label': t('admin.revoke_of', {owner: token.owner, id: token.id})}, t('admin.revoke'))));
 }
 
 export function tokens(): Children {
