@@ -1,6 +1,6 @@
 // An array of loops: the coupling of every two, its layers one by one, what to print and to solder.
 import assert from 'node:assert/strict';
-import {drawn, settled, setUp, show, until} from './drive.mjs';
+import {drawn, drawnModestly, settled, setUp, show, until} from './drive.mjs';
 
 const test = setUp();
 
@@ -35,6 +35,7 @@ async function inks(page) {
 
 test('a cell of the coupling table is the k of the report and selects its two loops everywhere', async ({page, service, jobs}) => {
   const {couplings: {coils, k}} = JSON.parse(await file(service, jobs.array, 'report.json'));
+  await drawnModestly(page);
   await show(page, `#/jobs/${jobs.array}?mode=with`);
   const before = await inks(page);
   const grid = page.getByRole('grid', {name: 'Coupling of every two loops'});
@@ -99,6 +100,7 @@ test('the coupling table is read and used with the keyboard', async ({page, serv
 });
 
 test('a layer is hidden on the part and on the sheet, the others stay, and a reload keeps it', async ({page, jobs}) => {
+  await drawnModestly(page);
   await show(page, `#/jobs/${jobs.array}?mode=with`);
   const all = await inks(page);
   assert.ok(all.dark > 300 && all.blue > 300, JSON.stringify(all));
@@ -144,6 +146,7 @@ test('a layer is hidden on the part and on the sheet, the others stay, and a rel
 });
 
 test('what is drawn of the layers lies where the print has it on the part', async ({page, jobs}) => {
+  await drawnModestly(page);
   await show(page, `#/jobs/${jobs.array}?mode=with`);
   const all = await inks(page);
   // A layer with little ink is left out: the picture of the file is replaced by one that is drawn here.

@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import {existsSync, mkdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {dirname, join} from 'node:path';
 import {fileURLToPath} from 'node:url';
-import {drawn, setUp, show} from './drive.mjs';
+import {drawn, drawnModestly, setUp, show} from './drive.mjs';
 
 const folder = join(dirname(fileURLToPath(import.meta.url)), 'expected');
 const most = 0.001;  // the share of pixels that may differ, and by how many of 255 levels before one counts
@@ -54,8 +54,7 @@ async function picture(page, name) {
 }
 
 test('the formed part looks as before, with its print and with its maps', async ({page, jobs}) => {
-  // Frames that are not timed are all drawn at one pixel a CSS pixel.
-  await page.addInitScript(() => { WebGL2RenderingContext.prototype.fenceSync = () => null; });
+  await drawnModestly(page);
   await show(page, `#/jobs/${jobs.print}`);
   await page.getByRole('button', {name: 'Pre-distorted', exact: true}).click();
   await page.getByRole('button', {name: 'Above', exact: true}).click();
