@@ -48,10 +48,10 @@ class Access {
 
   // The value of Set-Cookie for someone who shows a usable token; `by_tls`: through the TLS front. Errors: as above.
   Result<std::string> sign_in(std::string_view token, bool by_tls);
-  // A link for someone who shall sign in with this token and not see it: what follows /sign-in?link=, which works once and
-  // for an hour. Errors: not_found; conflict, if the token cannot be used; those of the store.
+  // Makes a link that signs in with this token, once, within an hour, without showing it. Errors: not_found; conflict, if the
+  // token cannot be used; those of the store.
   struct MadeLink {
-    std::string code;  // 64 hexadecimal digits, kept nowhere
+    std::string code;  // after /sign-in?link=: 64 hexadecimal digits, stored nowhere
     Millis expires = 0;
   };
   Result<MadeLink> make_link(const std::string& token_id);

@@ -45,7 +45,7 @@ Response signed_in(const std::string& cookie) {
 Response sign_in_by_link(Service& service, const Request& request, std::string_view link) {
   const auto cookie = service.access.sign_in_by_link(link, request.by_front);
   if (cookie) return signed_in(*cookie);
-  // Who opens a link again is signed in by it.
+  // A person who opens a link again has signed in with it.
   if (service.access.check(request, Scope::read)) return see_other("/");
   return html_response(sign_in_page(cookie.error()));
 }
@@ -58,9 +58,9 @@ Result<Response> sign_in(Service& service, Request& request) {
   return cookie ? signed_in(*cookie) : html_response(sign_in_page(cookie.error()));
 }
 
-// Whether a link that is opened shall wait for a click. Browsers fetch pages ahead; programs that check mail open what they
-// find in it, but a link of this machine itself, as deploy/start prints it, goes through no mail. After a link on a page of
-// another site, such as a terminal in a browser, the new cookie would not be sent along to where we redirect.
+// Whether a link signs in by a click only. Browsers fetch pages ahead, and programs that check mail open its links; a link on
+// loopback, as deploy/start prints it, goes through no mail. When the link is on a page of another site, the browser does not
+// send a new SameSite=Strict cookie to the page that we redirect to.
 bool waits_for_click(const Request& request) {
   const std::string_view from = request.header("Sec-Fetch-Site");
   return request.by_front || request.head_only || !request.header("Sec-Purpose").empty() ||

@@ -333,8 +333,8 @@ export async function drawn(page) {
   }, 'the 3D view to rest');
 }
 
-// The 3D view is drawn at one pixel a CSS pixel, however fast the machine is: frames that are not timed are. Before the page is
-// opened.
+// Draws the 3D view at one pixel per CSS pixel on every machine: the view is refined only where it can time its frames. To be
+// called before the page is opened.
 export const drawnModestly = (page) => page.addInitScript(() => { WebGL2RenderingContext.prototype.fenceSync = () => null; });
 
 // Every kind of view with what it needs; `jobs`: the ids of jobs that exist.

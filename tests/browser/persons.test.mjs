@@ -134,6 +134,7 @@ test('a link signs a person in once, also over another one', async () => {
   await page.getByText('Signed in as ward-b').waitFor();
   await page.goto(first);  // opened again
   await settled(page);
+  assert.equal(new URL(page.url()).pathname, '/');
   await page.context().close();
   const stranger = await openPage(browser, service);
   await stranger.goto(first);

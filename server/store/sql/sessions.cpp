@@ -70,24 +70,18 @@ Result<void> SqlStore::add_link(const SignInLink& link) {
 }
 
 Result<Token> SqlStore::use_link(const std::string& hash) {
-  std::optional<Token> token;
-  const auto used = write([&](Transaction& tx) -> Result<void> {
-    token.reset();  // a transaction may be repeated
+  return write([&](Transaction& tx) -> Result<Token> {
     VACUFORM_CHECK(tx.db.take_turns("sessions"));
+    std::string token;
     {
-      Query query(tx.db,
-                  "SELECT token.id, token.owner, token.scopes, token.hash, token.created, token.expires,"
-                  " token.revoked, token.file FROM sign_in_link JOIN token ON token.id=sign_in_link.token"
-                  " WHERE sign_in_link.hash=? AND sign_in_link.expires>?",
-                  hash, options_.clock());
+      Query query(tx.db, "SELECT token FROM sign_in_link WHERE hash=? AND expires>?", hash, options_.clock());
       VACUFORM_TRY(found, query.row());
-      if (found) token = token_in(query);
+      if (!found) return fail(Code::not_found, "there is no such link", {}, "ask for another one");
+      token = query.text(0);
     }
-    return Query(tx.db, "DELETE FROM sign_in_link WHERE hash=?", hash).run();
+    VACUFORM_CHECK(Query(tx.db, "DELETE FROM sign_in_link WHERE hash=?", hash).run());
+    return token_row(tx.db, token);
   });
-  if (!used) return tl::make_unexpected(used.error());
-  if (!token) return fail(Code::not_found, "there is no such link", {}, "ask for another one");
-  return std::move(*token);
 }
 
 }  // namespace vacuform
